@@ -1,0 +1,72 @@
+"""Visibilities of Stokes I with their weights: what every measurement starts from."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Protocol, Self, runtime_checkable
+
+import numpy as np
+
+from uvshear.constants import SPEED_OF_LIGHT
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.typing import Array, Complex, Float
+
+
+@dataclass(frozen=True)
+class Visibilities:
+    """A block of rows that share their channels.
+
+    Parameters
+    ----------
+    uvw
+        Baselines X(ANTENNA1) - X(ANTENNA2) [m].
+    frequency
+        Channel centres [Hz].
+    stokes_i
+        DATA = sum S exp(+2 pi i (u l + v m + w (n-1))) [Jy]. Finite wherever the weight is positive.
+    weights
+        1/sigma^2, sigma of one real component [Jy^-2]; 0 marks what is flagged.
+    """
+
+    uvw: Float[Array, "row 3"]
+    frequency: Float[Array, " chan"]
+    stokes_i: Complex[Array, "row chan"]
+    weights: Float[Array, "row chan"]
+
+    def __len__(self) -> int:
+        return len(self.uvw)
+
+    def with_stokes_i(self, stokes_i: Complex[Array, "row chan"]) -> Self:
+        """Return the same samples with other visibilities."""
+        return replace(self, stokes_i=stokes_i)
+
+    @property
+    def uv_distance(self) -> Float[Array, "row chan"]:
+        """Length of the projected baseline [wavelengths]."""
+        metres = np.hypot(self.uvw[:, 0], self.uvw[:, 1])
+        return metres[:, None] * (self.frequency / SPEED_OF_LIGHT)
+
+
+@runtime_checkable
+class Observation(Protocol):
+    """Visibilities of one pointing, read in chunks as often as needed: in memory, or a Measurement Set."""
+
+    @property
+    def phase_centre(self) -> PhaseCentre:
+        """Direction of l = m = 0."""
+        ...
+
+    def chunks(self) -> Iterator[Visibilities]:
+        """Read everything once, a block of rows at a time."""
+        ...
+
+
+@dataclass(frozen=True)
+class VisibilitySet:
+    """An observation held in memory."""
+
+    phase_centre: PhaseCentre
+    blocks: tuple[Visibilities, ...]
+
+    def chunks(self) -> Iterator[Visibilities]:
+        """Yield the blocks."""
+        yield from self.blocks
