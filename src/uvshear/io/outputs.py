@@ -1,0 +1,92 @@
+"""Outputs written whole or not at all: under a temporary name beside the target, then renamed."""
+
+import json
+import math
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+from uvshear.errors import InputError
+
+
+def check_output(path: Path, *, overwrite: bool) -> None:
+    """Refuse a target that cannot be written, before any computing is done for it."""
+    parent = path.parent
+    if not parent.is_dir():
+        what = "is not a directory" if parent.exists() else "does not exist"
+        raise InputError(f"{path}: {parent} {what}; give an output in an existing directory")
+    if not os.access(parent, os.W_OK | os.X_OK):
+        raise InputError(
+            f"{path}: {parent} is not writable; give an output in a directory of yours"
+        )
+    if os.path.lexists(path) and not overwrite:
+        raise InputError(f"{path}: exists already; give --overwrite or another name")
+
+
+def _neighbour(path: Path, word: str) -> Path:
+    """Return a hidden name beside ``path``, with its suffix, which tells writers the format."""
+    return path.with_name(f".{path.stem}.{word}-{os.getpid()}{path.suffix}")
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
+
+
+@contextmanager
+def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
+    """Yield a temporary name to write to; it becomes ``path`` when the block ends well."""
+    check_output(path, overwrite=overwrite)
+    if path.is_dir():
+        raise InputError(f"{path}: is a directory, where a file is to be written; give a file name")
+    temporary = _neighbour(path, "partial")
+    try:
+        temporary.touch()  # an unwritable place is found now, not after the computation
+        temporary.unlink()
+        yield temporary
+        temporary.replace(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        _remove(temporary)
+
+
+@contextmanager
+def new_measurement_set(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
+    """Do as :func:`new_file` for a directory; only a casacore table is ever replaced by one."""
+    check_output(path, overwrite=overwrite)
+    if os.path.lexists(path) and not (path / "table.dat").is_file():
+        raise InputError(
+            f"{path}: is not a Measurement Set, and is not replaced by one; give another name"
+        )
+    temporary, former = _neighbour(path, "partial"), _neighbour(path, "former")
+    try:
+        yield temporary
+        if path.exists():
+            path.rename(former)
+        try:
+            temporary.rename(path)
+        except OSError:
+            if former.exists():
+                former.rename(path)
+            raise
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        _remove(temporary)
+        _remove(former)
+
+
+def write_json(path: Path, values: Mapping[str, object], *, overwrite: bool = False) -> None:
+    """Write a flat record; a number that is not finite becomes null, which JSON can hold."""
+
+    def finite(value: object) -> object:
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    record = {name: finite(value) for name, value in values.items()}
+    with new_file(path, overwrite=overwrite) as temporary:
+        temporary.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
