@@ -1,0 +1,293 @@
+"""Catalogues of sources: any table astropy reads, checked, in SI and radians."""
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from astropy import units
+from astropy.table import Column, Table
+
+from uvshear.constants import ARCSEC, MICROJANSKY, REFERENCE_FREQUENCY, SPECTRAL_INDEX
+from uvshear.errors import InputError
+from uvshear.galaxy.galaxies import Galaxies
+from uvshear.geometry.directions import PhaseCentre, direction_cosines, equatorial
+from uvshear.io.columns import Columns
+from uvshear.io.provenance import Provenance
+from uvshear.io.tables import read_table, write_table
+from uvshear.typing import Array, Complex, Float, Shaped
+
+REFERENCE_FREQUENCY_KEYS = ("reference_frequency", "reffreq", "freq0")
+"""Metadata that state the frequency of the fluxes; the last is PyBDSF's."""
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """Sources to simulate or to measure, one element each; positions as (ra, dec) or as (l, m).
+
+    Parameters
+    ----------
+    identifier
+        Unique names or numbers.
+    flux
+        Flux density at ``reference_frequency`` [Jy], positive.
+    spectral_index
+        beta in S proportional to frequency^beta.
+    ra, dec
+        ICRS [rad]; None where the catalogue gives (l, m).
+    l, m
+        Direction cosines from the phase centre; None where the catalogue gives (ra, dec).
+    scale_length
+        [rad]; None where the catalogue has none.
+    ellipticity
+        e1 + i e2 in the (l, m) frame, of simulated catalogues; never used to measure.
+    reference_frequency
+        [Hz].
+    """
+
+    identifier: Shaped[Array, " source"]
+    flux: Float[Array, " source"]
+    spectral_index: Float[Array, " source"]
+    ra: Float[Array, " source"] | None = None
+    dec: Float[Array, " source"] | None = None
+    l: Float[Array, " source"] | None = None
+    m: Float[Array, " source"] | None = None
+    scale_length: Float[Array, " source"] | None = None
+    ellipticity: Complex[Array, " source"] | None = None
+    reference_frequency: float = REFERENCE_FREQUENCY
+
+    def __len__(self) -> int:
+        return len(self.flux)
+
+    def select(self, index: Array | slice) -> Self:
+        """Return the sources at ``index`` (any one-dimensional numpy index)."""
+        chosen: dict[str, Any] = {
+            name: None if (values := getattr(self, name)) is None else values[index]
+            for name in self.__dataclass_fields__
+            if name != "reference_frequency"
+        }
+        return replace(self, **chosen)
+
+    def directions(
+        self, phase_centre: PhaseCentre
+    ) -> tuple[Float[Array, " source"], Float[Array, " source"], Float[Array, " source"]]:
+        """Direction cosines l, m, n of the sources about ``phase_centre``; n <= 0 is behind it."""
+        if self.ra is not None and self.dec is not None:
+            return direction_cosines(phase_centre, self.ra, self.dec)
+        if self.l is None or self.m is None:
+            raise InputError("a catalogue has neither (ra, dec) nor (l, m)")
+        return self.l, self.m, np.sqrt(1 - self.l**2 - self.m**2)
+
+    def galaxies(self, phase_centre: PhaseCentre) -> Galaxies:
+        """Return what a simulation needs; without sizes the sources are points, without e round."""
+        l, m, n = self.directions(phase_centre)
+        if np.any(n <= 0):
+            worst = self.identifier[int(np.argmin(n))]
+            raise InputError(
+                f"source id {worst} is 90 degrees or more from the phase centre; "
+                "give a catalogue of the field that is observed"
+            )
+        none = np.zeros(len(self))
+        return Galaxies(
+            l=l,
+            m=m,
+            flux=self.flux,
+            scale_length=none if self.scale_length is None else self.scale_length,
+            ellipticity=none.astype(complex) if self.ellipticity is None else self.ellipticity,
+            spectral_index=self.spectral_index,
+            reference_frequency=self.reference_frequency,
+        )
+
+
+def read_catalogue(
+    path: Path | str,
+    *,
+    flux_unit: str | None = None,
+    reference_frequency: float | None = None,
+) -> Catalogue:
+    """Read a catalogue (ECSV, FITS, VOTable, CSV, ...; PyBDSF's .srl and .gaul FITS files too).
+
+    Parameters
+    ----------
+    flux_unit
+        Unit of a flux column that has none (CSV), as astropy spells it.
+    reference_frequency
+        Frequency of the fluxes [Hz], instead of what the file says.
+    """
+    table = read_table(Path(path), "catalogue")
+    return catalogue_from_table(
+        table, str(path), flux_unit=flux_unit, reference_frequency=reference_frequency
+    )
+
+
+def catalogue_from_table(
+    table: Table,
+    name: str = "catalogue",
+    *,
+    flux_unit: str | None = None,
+    reference_frequency: float | None = None,
+) -> Catalogue:
+    """Check a table and turn it into a catalogue; ``name`` is what errors call it."""
+    if len(table) == 0:
+        raise InputError(f"{name}: has no rows; a catalogue of at least one source is needed")
+    columns = Columns(table, name)
+    flux = columns.number("flux", units.Jy, given=flux_unit, needs_unit=True)
+    columns.require("flux", flux > 0, "a positive flux density is needed", flux)
+
+    position = _positions(columns)
+
+    index = np.full(len(table), SPECTRAL_INDEX)
+    if columns.has("spectral_index"):
+        index = columns.number("spectral_index", units.dimensionless_unscaled)
+
+    scale_length = None
+    if columns.has("scale_length"):
+        scale_length = columns.number("scale_length", units.rad, assumed=units.arcsec)
+        columns.require("scale_length", scale_length >= 0, "a size >= 0 is needed", scale_length)
+
+    ellipticity = None
+    if columns.has("e1") != columns.has("e2"):
+        absent = "e1" if columns.has("e2") else "e2"
+        raise InputError(f"{name}: has no column '{absent}'; give both e1 and e2, or neither")
+    if columns.has("e1"):
+        e1 = columns.number("e1", units.dimensionless_unscaled)
+        e2 = columns.number("e2", units.dimensionless_unscaled)
+        ellipticity = e1 + 1j * e2
+        columns.require(
+            "e1, e2", np.abs(ellipticity) < 1, "|e| = (a-b)/(a+b) below 1 is needed", ellipticity
+        )
+
+    frequency = _frequencies(columns, reference_frequency)
+    common = float(frequency[0])
+    return Catalogue(
+        identifier=columns.identifier,
+        flux=flux * (common / frequency) ** index,
+        spectral_index=index,
+        scale_length=scale_length,
+        ellipticity=ellipticity,
+        reference_frequency=common,
+        **position,
+    )
+
+
+def _positions(columns: Columns) -> dict[str, Float[Array, " source"]]:
+    """(ra, dec) where both are there, else (l, m)."""
+    for pair in (("ra", "dec"), ("l", "m")):
+        there = [columns.has(name) for name in pair]
+        if any(there) and not all(there):
+            absent = pair[there.index(False)]
+            raise InputError(
+                f"{columns.name}: has no column '{absent}' to go with '{pair[there.index(True)]}'"
+            )
+    if columns.has("ra"):
+        ra = columns.number("ra", units.rad, assumed=units.deg)
+        dec = columns.number("dec", units.rad, assumed=units.deg)
+        columns.require(
+            "dec", np.abs(dec) <= math.pi / 2, "-90 to 90 degrees is needed", np.degrees(dec)
+        )
+        return {"ra": ra, "dec": dec}
+    if columns.has("l"):
+        l = columns.number("l", units.rad, assumed=units.rad)
+        m = columns.number("m", units.rad, assumed=units.rad)
+        radius = np.hypot(l, m)
+        columns.require("l, m", radius < 1, "l^2 + m^2 < 1 is needed (radians)", radius)
+        return {"l": l, "m": m}
+    raise InputError(
+        f"{columns.name}: has no positions; columns 'ra' and 'dec' (deg), or 'l' and 'm' (rad),"
+        f" are needed (it has {', '.join(columns.names)})"
+    )
+
+
+def _frequencies(columns: Columns, option: float | None) -> Float[Array, " source"]:
+    """Frequency of each flux: the option, else the column, else the metadata, else 1.4 GHz."""
+    frequency = np.full(len(columns.identifier), REFERENCE_FREQUENCY)
+    if option is not None:
+        frequency[:] = option
+    elif columns.has("reference_frequency"):
+        frequency = columns.number("reference_frequency", units.Hz, assumed=units.Hz)
+    else:
+        metadata = {str(key).lower(): value for key, value in columns.table.meta.items()}
+        stated = [metadata[key] for key in REFERENCE_FREQUENCY_KEYS if key in metadata]
+        if stated:
+            try:
+                quantity = units.Quantity(stated[0])
+                if quantity.unit.is_equivalent(units.dimensionless_unscaled):
+                    quantity = quantity * units.Hz
+                frequency[:] = quantity.to_value(units.Hz)
+            except (TypeError, ValueError) as error:
+                raise InputError(
+                    f"{columns.name}: its metadata give the reference frequency {stated[0]!r};"
+                    " a number of Hz or a text such as '1.4 GHz' is needed"
+                ) from error
+    good = np.isfinite(frequency) & (frequency > 0)
+    if not good.all():
+        raise InputError(
+            f"{columns.name}: the reference frequency is {frequency[~good][0]:g} Hz;"
+            " a positive frequency is needed"
+        )
+    return frequency
+
+
+def catalogue_from_galaxies(
+    galaxies: Galaxies, phase_centre: PhaseCentre | None = None
+) -> Catalogue:
+    """Catalogue of simulated galaxies: (ra, dec) about ``phase_centre``, (l, m) without one."""
+    position = {"l": galaxies.l, "m": galaxies.m}
+    if phase_centre is not None:
+        ra, dec = equatorial(phase_centre, galaxies.l, galaxies.m)
+        position = {"ra": ra, "dec": dec}
+    return Catalogue(
+        identifier=np.arange(1, len(galaxies) + 1),
+        flux=galaxies.flux,
+        spectral_index=galaxies.spectral_index,
+        scale_length=galaxies.scale_length,
+        ellipticity=galaxies.ellipticity,
+        reference_frequency=galaxies.reference_frequency,
+        **position,
+    )
+
+
+def catalogue_table(catalogue: Catalogue, provenance: Provenance | None = None) -> Table:
+    """Return the catalogue with units and descriptions, as it is written."""
+    table = Table()
+
+    def add(name: str, values: Array | None, unit: str | None, description: str) -> None:
+        if values is not None:
+            table[name] = Column(values, unit=unit, description=description)
+
+    add("id", catalogue.identifier, None, "identifier of the source")
+    for name in ("ra", "dec"):
+        angle = getattr(catalogue, name)
+        degrees = None if angle is None else np.degrees(angle)
+        add(name, degrees, "deg", f"{name}, ICRS")
+    add("l", catalogue.l, "rad", "direction cosine to the East")
+    add("m", catalogue.m, "rad", "direction cosine to the North")
+    add("flux", catalogue.flux / MICROJANSKY, "uJy", "flux density at reference_frequency")
+    size = catalogue.scale_length
+    add(
+        "scale_length",
+        None if size is None else size / ARCSEC,
+        "arcsec",
+        "scale length alpha of the profile",
+    )
+    add("spectral_index", catalogue.spectral_index, None, "beta in S ~ frequency^beta")
+    if catalogue.ellipticity is not None:
+        frame = "e = e1 + i e2, |e| = (a-b)/(a+b), (l East, m North) frame of the phase centre"
+        add("e1", catalogue.ellipticity.real, None, frame)
+        add("e2", catalogue.ellipticity.imag, None, frame)
+    table.meta["reference_frequency"] = f"{catalogue.reference_frequency:.17g} Hz"
+    if provenance is not None:
+        table.meta.update(provenance.metadata())
+    return table
+
+
+def write_catalogue(
+    path: Path,
+    catalogue: Catalogue,
+    provenance: Provenance | None = None,
+    *,
+    overwrite: bool = False,
+) -> None:
+    """Write a catalogue as ECSV, FITS or VOTable, by extension."""
+    write_table(path, catalogue_table(catalogue, provenance), overwrite=overwrite)

@@ -1,0 +1,136 @@
+"""Columns of a user's table, in SI, with errors that say which column and which row."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from astropy import units
+from astropy.table import Column, MaskedColumn, Table
+
+from uvshear.errors import InputError
+from uvshear.typing import Array, Bool, Float, Shaped
+
+PYBDSF_COLUMNS: Mapping[str, str] = {
+    "Source_id": "id",
+    "Gaus_id": "id",
+    "RA": "ra",
+    "DEC": "dec",
+    "Total_flux": "flux",
+}
+"""PyBDSF's names of the columns used here; a .gaul list, of Gaussians, has both identifiers."""
+
+
+class Columns:
+    """Columns of a table found by name whatever the case, in SI, with errors that say where."""
+
+    def __init__(self, table: Table, name: str) -> None:
+        self.table = Table(table, copy=False)  # a QTable's quantities become columns
+        self.name = name
+        self.names: tuple[str, ...] = tuple(table.colnames)
+        self._spelling = {known.lower(): known for known in reversed(self.names)}
+        self._spelling |= {known: known for known in self.names}
+        if {"RA", "DEC", "Total_flux"} <= set(self.names):
+            self._spelling |= {
+                ours: theirs for theirs, ours in PYBDSF_COLUMNS.items() if theirs in self.names
+            }
+        self.identifier = self._identifiers()
+
+    def has(self, column: str) -> bool:
+        """Tell whether the table has it, under any of its spellings."""
+        return column in self._spelling
+
+    def number(
+        self,
+        column: str,
+        unit: units.UnitBase,
+        *,
+        given: str | None = None,
+        assumed: units.UnitBase | None = None,
+        needs_unit: bool = False,
+    ) -> Float[Array, " source"]:
+        """Finite numbers in ``unit``; ``given`` and ``assumed`` serve a column without a unit."""
+        if not self.has(column):
+            raise InputError(
+                f"{self.name}: has no column '{column}' (it has {', '.join(self.names)})"
+            )
+        values = self.table[self._spelling[column]]
+        try:
+            plain: Array = np.ma.filled(np.ma.asarray(values, dtype=float), np.nan)
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                f"{self.name}: column '{column}' holds text; numbers are needed"
+            ) from error
+        if plain.ndim != 1:
+            raise InputError(
+                f"{self.name}: column '{column}' holds arrays; one number a row is needed"
+            )
+        plain = plain * self._factor(column, values, unit, given, assumed, needs_unit)
+        self.require(column, np.isfinite(plain), "a finite number is needed", plain)
+        return plain
+
+    def _factor(
+        self,
+        column: str,
+        values: Column | units.Quantity,
+        unit: units.UnitBase,
+        given: str | None,
+        assumed: units.UnitBase | None,
+        needs_unit: bool,
+    ) -> float:
+        found = values.unit
+        if found is None or str(found).strip() == "":
+            if given is not None:
+                try:
+                    found = units.Unit(given)
+                except ValueError as error:
+                    raise InputError(
+                        f"'{given}' is not a unit; '{column}' needs one such as Jy, mJy or uJy"
+                    ) from error
+            elif needs_unit:
+                raise InputError(
+                    f"{self.name}: column '{column}' has no unit; give it one in the file"
+                    " (Jy, mJy, uJy), or --flux-unit for a format without units"
+                )
+            else:
+                return float((assumed or unit).to(unit))
+        try:
+            return float(units.Unit(found).to(unit))
+        except (units.UnitConversionError, ValueError, TypeError) as error:
+            raise InputError(
+                f"{self.name}: column '{column}' is in '{found}', which is no unit of"
+                f" {'a pure number' if unit == units.dimensionless_unscaled else unit}"
+            ) from error
+
+    def require(
+        self,
+        column: str,
+        good: Bool[Array, " source"],
+        needed: str,
+        values: Shaped[Array, " source"],
+    ) -> None:
+        """Name the first row that is not good."""
+        if not np.all(good):
+            row = int(np.argmin(good))
+            raise InputError(
+                f"{self.name}: column '{column}', id {self.identifier[row]}:"
+                f" is {values[row]:.4g}; {needed}"
+            )
+
+    def _identifiers(self) -> Shaped[Array, " source"]:
+        if not self.has("id"):
+            return np.arange(1, len(self.table) + 1)
+        column = self.table[self._spelling["id"]]
+        if isinstance(column, MaskedColumn) and np.any(column.mask):
+            raise InputError(
+                f"{self.name}: column 'id', row {int(np.argmax(column.mask)) + 1}: is empty;"
+                " every source needs its own id, or none has one"
+            )
+        identifier = np.asarray(column)
+        if identifier.dtype.kind not in "iu":
+            identifier = identifier.astype(str)
+        values, count = np.unique(identifier, return_counts=True)
+        if np.any(count > 1):
+            raise InputError(
+                f"{self.name}: column 'id': {values[np.argmax(count > 1)]} occurs"
+                f" {count[np.argmax(count > 1)]} times; every source needs its own id"
+            )
+        return identifier
