@@ -1,0 +1,140 @@
+"""The table of measured shapes: its columns, their units, and how it is written and read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from astropy import units
+from astropy.table import Column, Table
+
+from uvshear.constants import ARCSEC, MICROJANSKY
+from uvshear.errors import InputError
+from uvshear.geometry.directions import PhaseCentre, equatorial, local_north
+from uvshear.geometry.ellipticity import lensing_components, position_angle, to_local_north
+from uvshear.io.provenance import Provenance
+from uvshear.io.tables import read_table, write_table
+from uvshear.typing import Array, Float, Shaped
+
+
+@dataclass(frozen=True)
+class ShapeColumn:
+    """One column: what it means, its unit in files, and what that unit is inside the package."""
+
+    description: str
+    unit: str | None = None
+    inside: float = 1.0
+
+
+_FRAME = "axes l East, m North of the phase centre"
+_LOCAL = "axes local East and North"
+
+COLUMNS: Mapping[str, ShapeColumn] = {
+    "id": ShapeColumn("identifier of the source in the catalogue"),
+    "ra": ShapeColumn("right ascension of the catalogue, ICRS", "deg", float(np.pi / 180)),
+    "dec": ShapeColumn("declination of the catalogue, ICRS", "deg", float(np.pi / 180)),
+    "l": ShapeColumn("direction cosine to the East", "rad"),
+    "m": ShapeColumn("direction cosine to the North", "rad"),
+    "flux": ShapeColumn("flux density of the catalogue", "uJy", MICROJANSKY),
+    "e1": ShapeColumn(f"posterior mean of e1, |e| = (a-b)/(a+b); {_FRAME}"),
+    "e2": ShapeColumn(f"posterior mean of e2; {_FRAME}"),
+    "e1_err": ShapeColumn("posterior standard deviation of e1"),
+    "e2_err": ShapeColumn("posterior standard deviation of e2"),
+    "e12_cov": ShapeColumn("posterior covariance of e1 and e2"),
+    "e_sigma": ShapeColumn("det(covariance of e)^(1/4)"),
+    "weight": ShapeColumn("lensfit's weight; 0 where nothing was measured"),
+    "snr": ShapeColumn("flux over its error at fixed shape, natural weights"),
+    "scale_length": ShapeColumn("posterior mean of the scale length", "arcsec", ARCSEC),
+    "scale_length_err": ShapeColumn("its standard deviation", "arcsec", ARCSEC),
+    "flux_fit": ShapeColumn("fitted flux density", "uJy", MICROJANSKY),
+    "flux_fit_err": ShapeColumn("its standard deviation", "uJy", MICROJANSKY),
+    "dl": ShapeColumn("fitted position less the catalogue's, to the East", "arcsec", ARCSEC),
+    "dm": ShapeColumn("fitted position less the catalogue's, to the North", "arcsec", ARCSEC),
+    "flag": ShapeColumn("ok, or one word for what happened"),
+    "g1": ShapeColumn(f"e1 as TreeCorr takes it on (RA, Dec); {_LOCAL}"),
+    "g2": ShapeColumn(f"e2 as TreeCorr takes it on (RA, Dec); {_LOCAL}"),
+    "position_angle": ShapeColumn(
+        "long axis from North through East; in [0, 180)", "deg", float(np.pi / 180)
+    ),
+}
+"""Every column of a table of shapes, in order."""
+
+DERIVED = ("ra", "dec", "g1", "g2", "position_angle")
+"""Columns that :func:`shapes_table` works out from (l, m) and (e1, e2)."""
+
+
+def shapes_table(
+    values: Mapping[str, Shaped[Array, " source"]],
+    phase_centre: PhaseCentre,
+    provenance: Provenance | None = None,
+) -> Table:
+    """Table of shapes from columns in SI and radians, in the units that files have.
+
+    Parameters
+    ----------
+    values
+        Every column but those of :data:`DERIVED`; of these, ``ra`` and ``dec`` are taken if given.
+    phase_centre
+        Direction of l = m = 0.
+    """
+    needed = [name for name in COLUMNS if name not in DERIVED]
+    if lacking := [name for name in needed if name not in values]:
+        raise InputError(f"a table of shapes lacks {', '.join(lacking)}")
+    l, m = values["l"], values["m"]
+    ra, dec = equatorial(phase_centre, l, m)
+    local = to_local_north(values["e1"] + 1j * values["e2"], local_north(phase_centre, l, m))
+    g1, g2 = lensing_components(local)
+    derived = {"ra": ra, "dec": dec, "g1": g1, "g2": g2, "position_angle": position_angle(local)}
+    everything = derived | dict(values)
+    table = Table()
+    for name, column in COLUMNS.items():
+        inside: Array = everything[name]
+        outside = inside / column.inside if column.inside != 1 else inside
+        table[name] = Column(outside, unit=column.unit, description=column.description)
+    table.meta["ra0_deg"] = float(np.degrees(phase_centre.ra))
+    table.meta["dec0_deg"] = float(np.degrees(phase_centre.dec))
+    if provenance is not None:
+        table.meta.update(provenance.metadata())
+    return table
+
+
+def write_shapes(path: Path, table: Table, *, overwrite: bool = False) -> None:
+    """Write shapes as ECSV or FITS by extension; both keep units, descriptions and provenance."""
+    write_table(path, table, overwrite=overwrite)
+
+
+def read_shapes(path: Path) -> Table:
+    """Read a table of shapes, whoever wrote it, with the units of :data:`COLUMNS`."""
+    table = read_table(path, "table of shapes written by `uvshear measure`")
+    if len(table) == 0:
+        raise InputError(f"{path}: has no rows; a table of at least one shape is needed")
+    for name in ("e1", "e2", "e_sigma", "weight", "snr", "flag"):
+        if name not in table.colnames:
+            raise InputError(
+                f"{path}: has no column '{name}'; a table written by `uvshear measure` is needed"
+            )
+        if name != "flag" and table[name].dtype.kind not in "fiu":
+            raise InputError(f"{path}: column '{name}' holds text; numbers are needed")
+    weight: Array = np.ma.filled(np.ma.asarray(table["weight"], dtype=float), np.nan)
+    if not np.all(weight >= 0):
+        row = int(np.argmin(weight >= 0)) + 1
+        raise InputError(
+            f"{path}: column 'weight', row {row}: is {weight[row - 1]:g}; a number >= 0 is needed"
+        )
+    for name in table.colnames:
+        expected = COLUMNS.get(name)
+        if expected is not None and expected.unit is not None and table[name].unit is not None:
+            try:
+                table[name].convert_unit_to(expected.unit)
+            except (units.UnitConversionError, TypeError) as error:
+                raise InputError(
+                    f"{path}: column '{name}' is in '{table[name].unit}', which is no unit of"
+                    f" {expected.unit}"
+                ) from error
+    return table
+
+
+def inside(table: Table, name: str) -> Float[Array, " source"]:
+    """Column of a table of shapes in SI and radians, NaN where it is empty."""
+    filled: Array = np.ma.filled(np.ma.asarray(table[name], dtype=float), np.nan)
+    return filled * COLUMNS[name].inside

@@ -1,0 +1,141 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from astropy.table import Table
+
+from uvshear.constants import ARCSEC
+from uvshear.errors import InputError
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.io.provenance import Provenance
+from uvshear.io.shapes import COLUMNS, inside, read_shapes, shapes_table, write_shapes
+from uvshear.typing import Array
+
+CONTRACT = [
+    "id",
+    "ra",
+    "dec",
+    "l",
+    "m",
+    "flux",
+    "e1",
+    "e2",
+    "e1_err",
+    "e2_err",
+    "e12_cov",
+    "e_sigma",
+    "weight",
+    "snr",
+    "scale_length",
+    "scale_length_err",
+    "flux_fit",
+    "flux_fit_err",
+    "dl",
+    "dm",
+    "flag",
+]
+CENTRE = PhaseCentre(1.0, np.radians(80.0))
+
+
+def _values(n: int = 4) -> dict[str, Array]:
+    rng = np.random.default_rng(3)
+    values: dict[str, Array] = {
+        name: rng.uniform(0.01, 0.02, n)
+        for name in CONTRACT
+        if name not in {"id", "ra", "dec", "flag"}
+    }
+    values |= {name: rng.uniform(1, 2, n) * ARCSEC for name in ("scale_length", "dl", "dm")}
+    values["id"] = np.array([f"J{i}" for i in range(n)])
+    values["flag"] = np.array(["ok"] * (n - 1) + ["no_peak"])
+    for name in ("e1", "e2", "e1_err", "dl"):
+        values[name][-1] = np.nan
+    values["weight"][-1] = 0
+    return values
+
+
+def _table() -> Table:
+    provenance = Provenance("uvshear measure α.ms", ("α.ms", "cat.fits"), {"uv_min": 1000.0})
+    return shapes_table(_values(), CENTRE, provenance)
+
+
+def test_the_columns_are_those_of_the_contract_in_its_order() -> None:
+    names = _table().colnames
+    assert names[: len(CONTRACT)] == CONTRACT
+    assert names[len(CONTRACT) :] == ["g1", "g2", "position_angle"]
+
+
+@pytest.mark.parametrize("suffix", [".ecsv", ".fits"])
+def test_units_descriptions_and_provenance_survive_a_file(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"shapes{suffix}"
+    table = _table()
+    write_shapes(path, table)
+    back = read_shapes(path)
+    assert back.colnames == list(COLUMNS)
+    for name, column in COLUMNS.items():
+        assert back[name].description == column.description
+        assert back[name].unit == table[name].unit
+        if name in {"id", "flag"}:
+            assert list(back[name]) == list(table[name])
+        else:
+            np.testing.assert_array_equal(inside(back, name), inside(table, name))
+    meta = {str(key).lower(): value for key, value in back.meta.items()}
+    assert meta["version"].startswith("uvshear ")
+    assert meta["command"] == r"uvshear measure \u03b1.ms"
+    assert meta["inputs"] == r'["\u03b1.ms", "cat.fits"]'
+    assert meta["options"] == '{"uv_min": 1000.0}'
+
+
+def test_units_at_the_edge_are_degrees_arcseconds_and_microjansky() -> None:
+    values = _values()
+    table = shapes_table(values, CENTRE)
+    np.testing.assert_allclose(table["scale_length"] * ARCSEC, values["scale_length"])
+    np.testing.assert_allclose(table["flux"] * 1e-6, values["flux"])
+    assert table["ra"].unit == "deg"
+    assert abs(table["dec"][0] - 80) < 2
+    np.testing.assert_allclose(inside(table, "dl"), values["dl"])
+
+
+def test_the_sky_frame_is_rotated_and_flipped_as_treecorr_wants_it() -> None:
+    # on the meridian there is no rotation: g1 = e1, g2 = -e2, and e1 > 0 is long East-West
+    values = _values(2)
+    values |= {"l": np.zeros(2), "m": np.array([0.0, 0.01])}
+    values |= {"e1": np.array([0.2, 0.0]), "e2": np.array([0.0, 0.2])}
+    table = shapes_table(values, CENTRE)
+    np.testing.assert_allclose(table["g1"], [0.2, 0], atol=1e-12)
+    np.testing.assert_allclose(table["g2"], [0, -0.2], atol=1e-12)
+    np.testing.assert_allclose(table["position_angle"], [90, 45], atol=1e-9)
+
+
+def test_a_missing_value_is_named() -> None:
+    values = _values()
+    del values["e12_cov"]
+    with pytest.raises(InputError, match="lacks e12_cov"):
+        shapes_table(values, CENTRE)
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "message"),
+    [
+        ("weight", None, "has no column 'weight'"),
+        ("weight", -1.0, "column 'weight', row 1: is -1; a number >= 0"),
+        ("weight", np.nan, "column 'weight', row 1: is nan; a number >= 0"),
+        ("snr", ["high"] * 4, "column 'snr' holds text"),
+    ],
+)
+def test_a_wrong_table_of_shapes_is_refused(
+    tmp_path: Path, column: str, value: object, message: str
+) -> None:
+    table = _table()
+    del table[column]
+    if value is not None:
+        table[column] = value
+    path = tmp_path / "shapes.ecsv"
+    write_shapes(path, table)
+    with pytest.raises(InputError, match=message):
+        read_shapes(path)
+
+
+def test_an_extension_without_a_format_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"give \.ecsv, \.fits"):
+        write_shapes(tmp_path / "shapes.txt", _table())
+    assert list(tmp_path.iterdir()) == []
