@@ -1,0 +1,32 @@
+"""Run-time checks of array types, switched on before any module of the package is imported."""
+
+import importlib.util
+import os
+from pathlib import Path
+
+import jaxtyping
+
+from tests.runtime_types import beartype_without_self
+
+os.environ.setdefault("MPLBACKEND", "Agg")
+
+
+def _leaf_modules() -> list[str]:
+    """Every module but numba kernels and packages' ``__init__``, found without importing any.
+
+    The hook matches by prefix: naming a package would take its kernels in.
+    """
+    specification = importlib.util.find_spec("uvshear")
+    assert specification is not None
+    assert specification.origin is not None
+    root = Path(specification.origin).parent
+    return [
+        ".".join(("uvshear", *path.relative_to(root).with_suffix("").parts))
+        for path in sorted(root.rglob("*.py"))
+        if path.stem not in {"__init__", "kernels"}
+    ]
+
+
+jaxtyping.install_import_hook(
+    _leaf_modules(), f"{beartype_without_self.__module__}.{beartype_without_self.__name__}"
+)
