@@ -1,1 +1,38 @@
-""""""
+"""Formulas of the sky that know no telescope and no galaxy.
+
+``directions`` turns right ascension and declination into direction cosines and back,
+``ellipticity`` holds what shear, rotation and a change of axes do to an ellipse. Everything here
+is a pure function of arrays; conventions in docs/conventions.md.
+"""
+
+from uvshear.geometry.directions import (
+    PhaseCentre,
+    direction_cosines,
+    equatorial,
+    local_north,
+    n_minus_one,
+)
+from uvshear.geometry.ellipticity import (
+    add_shear,
+    lensing_components,
+    position_angle,
+    quadratic_form,
+    rotate,
+    sheared_scale_length,
+    to_local_north,
+)
+
+__all__ = [
+    "PhaseCentre",
+    "add_shear",
+    "direction_cosines",
+    "equatorial",
+    "lensing_components",
+    "local_north",
+    "n_minus_one",
+    "position_angle",
+    "quadratic_form",
+    "rotate",
+    "sheared_scale_length",
+    "to_local_north",
+]

@@ -1,0 +1,149 @@
+"""What shear, rotation and a change of axes do to an ellipse: e = e1 + i e2, |e| = (a-b)/(a+b) < 1.
+
+In the (l, m) frame e1 > 0 is long along l, e2 > 0 along l = m (docs/conventions.md). Elementwise
+formulas: any shapes that broadcast.
+"""
+
+import numpy as np
+
+from uvshear.typing import Array, Complex, Float
+
+
+def add_shear(
+    e: Complex[Array, "..."], g: complex | Complex[Array, "..."]
+) -> Complex[Array, "..."]:
+    r"""Ellipticity of a galaxy of ellipticity e behind the reduced shear g.
+
+    .. math:: e' = \frac{e + g}{1 + g^* e}
+
+    Parameters
+    ----------
+    e
+        Intrinsic ellipticity.
+    g
+        Reduced shear in the same axes, abs(g) < 1.
+
+    References
+    ----------
+    Rivi & Miller 2018, section 5 (unnumbered), after Seitz & Schneider 1997.
+    """
+    return (e + g) / (1 + np.conj(g) * e)
+
+
+def sheared_scale_length(
+    scale_length: Float[Array, "..."], e: Complex[Array, "..."], e_sheared: Complex[Array, "..."]
+) -> Float[Array, "..."]:
+    r"""Scale length that goes with an ellipticity changed by shear.
+
+    .. math:: \alpha' = \alpha \sqrt{\frac{1 - |e'|^2}{1 - |e|^2}}
+
+    The isophote of radius alpha has the area pi alpha^2 / (1 - abs(e)^2), the divisor being det A
+    of :func:`quadratic_form`, and a shear of unit magnification keeps it. Paper II leaves alpha as
+    it was, which is no linear map of the sky.
+
+    Parameters
+    ----------
+    scale_length
+        alpha at ellipticity ``e`` [rad].
+    e, e_sheared
+        Ellipticity before and after, from :func:`add_shear`.
+
+    Notes
+    -----
+    A lens of convergence kappa also magnifies, by mu = 1/((1-kappa)^2 (1-abs(g)^2)): multiply alpha
+    by sqrt(mu) and the flux by mu. Unit magnification is GalSim's ``shear``, mu its ``lens``.
+    """
+    return scale_length * np.sqrt((1 - _square(e_sheared)) / (1 - _square(e)))
+
+
+def quadratic_form(
+    e: Complex[Array, "..."], scale_length: Float[Array, "..."]
+) -> tuple[Float[Array, "..."], Float[Array, "..."], Float[Array, "..."]]:
+    r"""Coefficients (a, b, c) of the ellipse in the uv plane [rad^2].
+
+    .. math::
+        \alpha^2 |A^{-T} k|^2 &= a u^2 + b u v + c v^2,\quad
+        A = \begin{pmatrix} 1-e_1 & -e_2 \\ -e_2 & 1+e_1 \end{pmatrix} \\
+        (a, b, c) &= \frac{\alpha^2}{(1-|e|^2)^2}
+        \left(1 + |e|^2 + 2 e_1,\ 4 e_2,\ 1 + |e|^2 - 2 e_1\right)
+
+    A profile is a function of q, which is 4 pi^2 times this.
+
+    Parameters
+    ----------
+    e
+        Ellipticity in the (l, m) frame.
+    scale_length
+        alpha [rad].
+
+    References
+    ----------
+    Rivi & Miller 2018, eq. 1 and 2.
+    """
+    square = _square(e)
+    scale = (scale_length / (1 - square)) ** 2
+    return scale * (1 + square + 2 * e.real), scale * 4 * e.imag, scale * (1 + square - 2 * e.real)
+
+
+def rotate(e: Complex[Array, "..."], angle: float | Float[Array, "..."]) -> Complex[Array, "..."]:
+    r"""Ellipticity of a galaxy turned by an angle from l towards m.
+
+    .. math:: e' = e\,e^{2 i \phi}
+
+    Parameters
+    ----------
+    angle
+        phi [rad].
+    """
+    return e * np.exp(2j * angle)
+
+
+def to_local_north(
+    e: Complex[Array, "..."], psi: float | Float[Array, "..."]
+) -> Complex[Array, "..."]:
+    r"""Ellipticity in the axes local East and local North of one in the (l, m) frame.
+
+    .. math:: e_\mathrm{local} = e\,e^{2 i \psi}
+
+    Parameters
+    ----------
+    e
+        Ellipticity in the phase centre's (l, m) frame.
+    psi
+        Angle of local North, from :func:`uvshear.geometry.directions.local_north` [rad].
+    """
+    return e * np.exp(2j * psi)
+
+
+def position_angle(e_local: Complex[Array, "..."]) -> Float[Array, "..."]:
+    r"""Angle of the long axis from local North through East, in [0, pi) [rad].
+
+    .. math:: \mathrm{PA} = \frac{\pi}{2} - \frac{1}{2}\arg e_\mathrm{local} \mod \pi
+
+    Parameters
+    ----------
+    e_local
+        Ellipticity in local axes, from :func:`to_local_north`.
+    """
+    angle = np.mod(np.pi / 2 - np.angle(e_local) / 2, np.pi)
+    return np.where(angle == np.pi, 0.0, angle)  # mod of -1e-17 rounds up to half a turn
+
+
+def lensing_components(
+    e_local: Complex[Array, "..."],
+) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
+    """Components (g1, g2) in the (RA, Dec) convention of lensing catalogues and TreeCorr.
+
+    g1 = e1 and g2 = -e2: seen from inside the sphere East is to the left, which mirrors the
+    diagonals and leaves the axes (tested with TreeCorr 5.1).
+
+    Parameters
+    ----------
+    e_local
+        Ellipticity (or shear) in local axes, from :func:`to_local_north`.
+    """
+    return e_local.real, -e_local.imag
+
+
+def _square(e: Complex[Array, "..."]) -> Float[Array, "..."]:
+    return e.real**2 + e.imag**2
