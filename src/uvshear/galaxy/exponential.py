@@ -1,0 +1,34 @@
+"""The exponential disc, the profile of a star-forming galaxy."""
+
+from dataclasses import dataclass
+
+from uvshear.galaxy import kernels
+from uvshear.galaxy.profile import Profile
+from uvshear.typing import Array, Float
+
+
+@dataclass(frozen=True)
+class Exponential(Profile):
+    r"""Disc whose brightness falls as exp(-r/alpha).
+
+    .. math:: f(q) = (1 + q)^{-3/2},\quad f'(q) = -\tfrac{3}{2} (1 + q)^{-5/2}
+
+    References
+    ----------
+    Rivi & Miller 2018, eq. 1.
+
+    Notes
+    -----
+    ``galsim.Exponential(scale_radius=alpha/sqrt(1-|e|**2)).shear(g1=e1, g2=e2)`` is the same
+    galaxy: alpha is not the area-preserving radius, 1.678 of which holds half the light.
+    Lensing acts through ``add_shear`` and ``sheared_scale_length`` at unit magnification, as
+    GalSim's ``shear``; a magnification mu multiplies alpha by sqrt(mu) and the flux by mu besides.
+    """
+
+    def envelope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
+        """Fourier transform at ``q`` >= 0."""
+        return kernels.exponential_envelope(q)
+
+    def envelope_slope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
+        """Differentiate the envelope with respect to q."""
+        return kernels.exponential_slope(q)

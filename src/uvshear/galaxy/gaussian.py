@@ -1,0 +1,28 @@
+"""The Gaussian, whose transform is one as well."""
+
+from dataclasses import dataclass
+
+from uvshear.galaxy import kernels
+from uvshear.galaxy.profile import Profile
+from uvshear.typing import Array, Float
+
+
+@dataclass(frozen=True)
+class Gaussian(Profile):
+    r"""Brightness exp(-r^2 / (2 alpha^2)): the scale length is the circular galaxy's sigma.
+
+    .. math:: f(q) = e^{-q/2},\quad f'(q) = -\tfrac{1}{2} e^{-q/2}
+
+    Notes
+    -----
+    ``galsim.Gaussian(sigma=alpha/sqrt(1-|e|**2)).shear(g1=e1, g2=e2)`` is the same galaxy; lensing
+    acts on it as on :class:`~uvshear.galaxy.exponential.Exponential`, at unit magnification.
+    """
+
+    def envelope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
+        """Fourier transform at ``q`` >= 0."""
+        return kernels.gaussian_envelope(q)
+
+    def envelope_slope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
+        """Differentiate the envelope with respect to q."""
+        return kernels.gaussian_slope(q)
