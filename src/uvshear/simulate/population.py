@@ -1,0 +1,87 @@
+"""Galaxies as a survey would find them, drawn from the distributions of flux, size and shape."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from uvshear.constants import ARCMIN, SPECTRAL_INDEX
+from uvshear.errors import InputError
+from uvshear.galaxy.ellipticity_prior import DiscEllipticityPrior, EllipticityPrior
+from uvshear.galaxy.flux import PowerLawFlux
+from uvshear.galaxy.galaxies import Galaxies
+from uvshear.galaxy.size import SizeFluxRelation
+from uvshear.simulate.field import Field
+
+PAPER_DENSITY = 2.7 / ARCMIN**2
+"""Galaxies between 10 and 200 uJy a steradian (Rivi & Miller 2018, section 3)."""
+
+
+@dataclass(frozen=True)
+class Population:
+    """Distributions to draw galaxies from; by default those of Rivi & Miller 2018, section 3.
+
+    Parameters
+    ----------
+    flux, size, ellipticity
+        Distribution of the flux, of the scale length at a flux, and of abs(e).
+    ring
+        Galaxies that share flux, scale length and abs(e), their e equally spaced on the circle, so
+        that the ring's mean e is 0 ("free of shape noise"); the paper has 10. Their positions are
+        independent. 1 is a population of independent galaxies.
+    spectral_index
+        Of every galaxy.
+    """
+
+    flux: PowerLawFlux = field(default_factory=PowerLawFlux)
+    size: SizeFluxRelation = field(default_factory=SizeFluxRelation)
+    ellipticity: EllipticityPrior = field(default_factory=DiscEllipticityPrior)
+    ring: int = 1
+    spectral_index: float = SPECTRAL_INDEX
+
+    def __post_init__(self) -> None:
+        if self.ring < 1:
+            raise InputError(f"population: ring is {self.ring}; it is 1 or more")
+
+
+def expected_number(sky: Field, density: float, *, ring: int = 1) -> int:
+    """Count galaxies of a density in a field, rounded to the nearest whole ring.
+
+    The expectation, not a Poisson draw: a repeated simulation keeps its size.
+
+    Parameters
+    ----------
+    density
+        Galaxies a steradian.
+    ring
+        Galaxies a ring.
+    """
+    return ring * round(density * sky.area / ring)
+
+
+def draw_population(
+    population: Population, sky: Field, *, number: int, rng: np.random.Generator
+) -> Galaxies:
+    """Draw galaxies, those of a ring one after the other.
+
+    Parameters
+    ----------
+    number
+        How many, whole rings; :func:`expected_number` gives it for a density.
+    """
+    rings, rest = divmod(number, population.ring)
+    if rest:
+        raise InputError(f"population: {number} galaxies are no whole rings of {population.ring}")
+    flux = population.flux.draw(rings, rng)
+    scale_length = population.size.draw(flux, rng)
+    modulus = population.ellipticity.draw_modulus(rings, rng)
+    start = rng.uniform(0, 2 * np.pi, rings)
+    phase = start[:, None] + 2 * np.pi * np.arange(population.ring) / population.ring
+    l, m = sky.draw(number, rng)
+    return Galaxies(
+        l=l,
+        m=m,
+        flux=np.repeat(flux, population.ring),
+        scale_length=np.repeat(scale_length, population.ring),
+        ellipticity=(modulus[:, None] * np.exp(1j * phase)).ravel(),
+        spectral_index=np.full(number, population.spectral_index),
+    )
