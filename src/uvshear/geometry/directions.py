@@ -80,9 +80,8 @@ def equatorial(
     sin0, cos0 = math.sin(phase_centre.dec), math.cos(phase_centre.dec)
     n = 1 + n_minus_one(l, m)
     to_meridian = n * cos0 - m * sin0
-    dec = np.arctan2(
-        m * cos0 + n * sin0, np.hypot(l, to_meridian)
-    )  # arcsin loses half the digits at a pole
+    # not an arcsin, which loses half its digits at a pole
+    dec = np.arctan2(m * cos0 + n * sin0, np.hypot(l, to_meridian))
     return _one_turn(phase_centre.ra + np.arctan2(l, to_meridian)), dec
 
 

@@ -125,8 +125,7 @@ def position_angle(e_local: Complex[Array, "..."]) -> Float[Array, "..."]:
     e_local
         Ellipticity in local axes, from :func:`to_local_north`.
     """
-    angle = np.mod(np.pi / 2 - np.angle(e_local) / 2, np.pi)
-    return np.where(angle == np.pi, 0.0, angle)  # mod of -1e-17 rounds up to half a turn
+    return np.mod(np.pi / 2 - np.angle(e_local) / 2, np.pi)
 
 
 def lensing_components(
