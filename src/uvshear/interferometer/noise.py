@@ -1,0 +1,146 @@
+"""Thermal noise of the correlations, from the dishes' sensitivity or given outright."""
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import Self, TypeAlias, final
+
+import numpy as np
+
+from uvshear.errors import InputError
+from uvshear.interferometer.coverage import Coverage
+from uvshear.interferometer.spectral_window import Channels
+from uvshear.typing import Array, Float
+
+Sefd: TypeAlias = float | tuple[tuple[float, float], ...]
+"""System equivalent flux density of any dish [Jy], or pairs (diameter [m], SEFD [Jy])."""
+
+
+class Noise(ABC):
+    """Independent Gaussian noise in the real and the imaginary part of every correlation."""
+
+    @abstractmethod
+    def correlation_sigma(self, coverage: Coverage, channels: Channels) -> Float[Array, "row chan"]:
+        """Return the deviation of ONE real component of one correlation (XX, say) [Jy]."""
+
+
+@final
+@dataclass(frozen=True)
+class CorrelationNoise(Noise):
+    """Noise whose :func:`radiometer_sigma` applies to each correlation: the physical reading.
+
+    Stokes I has sigma / sqrt(2), so sqrt(2) more signal to noise than :class:`StokesINoise`.
+
+    Parameters
+    ----------
+    sefd
+        Of a dish, or of each kind of dish by diameter.
+    efficiency
+        eta of the system, 0 to 1.
+    """
+
+    sefd: Sefd
+    efficiency: float = 0.9
+
+    def __post_init__(self) -> None:
+        _check(self.sefd, self.efficiency)
+
+    def correlation_sigma(self, coverage: Coverage, channels: Channels) -> Float[Array, "row chan"]:
+        """Sigma of the radiometer equation."""
+        return radiometer_sigma(self.sefd, self.efficiency, coverage, channels)
+
+
+@final
+@dataclass(frozen=True)
+class StokesINoise(Noise):
+    """Noise whose :func:`radiometer_sigma` applies to Stokes I: Rivi & Miller 2018, section 3.
+
+    Each correlation has sqrt(2) sigma.
+
+    Parameters
+    ----------
+    sefd
+        Of a dish, or of each kind of dish by diameter.
+    efficiency
+        eta of the system, 0 to 1.
+    """
+
+    sefd: Sefd
+    efficiency: float = 0.9
+
+    def __post_init__(self) -> None:
+        _check(self.sefd, self.efficiency)
+
+    def correlation_sigma(self, coverage: Coverage, channels: Channels) -> Float[Array, "row chan"]:
+        """Sqrt(2) times sigma of the radiometer equation."""
+        return math.sqrt(2) * radiometer_sigma(self.sefd, self.efficiency, coverage, channels)
+
+
+@final
+@dataclass(frozen=True)
+class ScaledNoise(Noise):
+    """The same noise everywhere, given for Stokes I.
+
+    Parameters
+    ----------
+    stokes_i_sigma
+        Standard deviation of one real component of Stokes I = (p + q)/2 [Jy].
+    """
+
+    stokes_i_sigma: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.stokes_i_sigma < math.inf:
+            raise InputError(f"the noise is {self.stokes_i_sigma:g} Jy; it must be positive")
+
+    @classmethod
+    def from_point_source(cls, flux: float, snr: float, count: int) -> Self:
+        r"""Noise that gives a point source its signal to noise over ``count`` visibilities.
+
+        .. math:: \mathrm{SNR} = S \sqrt{\sum_k w_k} = S \sqrt{N} / \sigma_I
+        """
+        return cls(flux * math.sqrt(count) / snr)
+
+    def correlation_sigma(self, coverage: Coverage, channels: Channels) -> Float[Array, "row chan"]:
+        """Sqrt(2) times that of Stokes I."""
+        return np.full((len(coverage), len(channels)), math.sqrt(2) * self.stokes_i_sigma)
+
+
+def radiometer_sigma(
+    sefd: Sefd, efficiency: float, coverage: Coverage, channels: Channels
+) -> Float[Array, "row chan"]:
+    r"""Noise of a baseline between dishes p and q [Jy].
+
+    .. math:: \sigma = \sqrt{\mathrm{SEFD}_p\,\mathrm{SEFD}_q} / (\eta\sqrt{2\,\Delta\nu\,\Delta t})
+
+    References
+    ----------
+    Rivi & Miller 2018, MNRAS 476, 2053, section 3, for equal dishes.
+    """
+    root_sefd = np.sqrt(_sefd_of_antennas(sefd, coverage))
+    baseline = root_sefd[coverage.antenna1] * root_sefd[coverage.antenna2] / efficiency
+    return baseline[:, None] / np.sqrt(2 * channels.width * coverage.integration)
+
+
+def _sefd_of_antennas(sefd: Sefd, coverage: Coverage) -> Float[Array, " antenna"]:
+    diameters = coverage.layout.diameters
+    if not isinstance(sefd, tuple):
+        return np.full(len(diameters), float(sefd))
+    values = np.full(len(diameters), np.nan)
+    for diameter, value in sefd:
+        values[np.isclose(diameters, diameter)] = value
+    if np.isnan(values).any():
+        missing = sorted({f"{diameter:g}" for diameter in diameters[np.isnan(values)]})
+        raise InputError(
+            f"layout {coverage.layout.name} has dishes of {', '.join(missing)} m without an SEFD;"
+            " give one for each diameter, or one for all"
+        )
+    return values
+
+
+def _check(sefd: Sefd, efficiency: float) -> None:
+    values = [value for _, value in sefd] if isinstance(sefd, tuple) else [sefd]
+    if not all(0 < value < math.inf for value in values):
+        raise InputError(f"an SEFD of {sefd} Jy; it must be positive")
+    if not 0 < efficiency <= 1:
+        raise InputError(f"an efficiency of {efficiency:g}; it lies above 0 and up to 1")
