@@ -1,0 +1,103 @@
+"""Stokes I, with its weight, from the correlations of two feeds."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from uvshear.errors import InputError
+from uvshear.typing import Array, Bool, Complex, Float
+
+STOKES_I = 1
+"""Code of Stokes I itself in a Measurement Set's CORR_TYPE (casacore, Stokes::StokesTypes)."""
+
+
+class Hands(Enum):
+    """The two parallel hands of each kind of feed, by their CORR_TYPE codes."""
+
+    CIRCULAR = (5, 8)
+    LINEAR = (9, 12)
+
+    @property
+    def receptors(self) -> tuple[str, str]:
+        """Letters of the two receptors."""
+        return ("R", "L") if self is Hands.CIRCULAR else ("X", "Y")
+
+
+@dataclass(frozen=True)
+class StokesI:
+    """Stokes I of a block of rows.
+
+    Parameters
+    ----------
+    visibilities
+        [Jy]; 0 where the weight is 0.
+    weights
+        1/sigma^2, sigma of one real component [Jy^-2]; 0 where flagged or unusable.
+    non_finite
+        Unflagged samples with a NaN or an infinity in the data or weights of a hand.
+    non_positive
+        Unflagged samples, finite, with a zero or negative weight in a hand.
+    """
+
+    visibilities: Complex[Array, "row chan"]
+    weights: Float[Array, "row chan"]
+    non_finite: int
+    non_positive: int
+
+
+def parallel_hands(correlation_types: Sequence[int]) -> tuple[int, ...]:
+    """Find the correlations that make Stokes I: itself, two parallel hands, or one of them."""
+    types = list(correlation_types)
+    if STOKES_I in types:
+        return (types.index(STOKES_I),)
+    for hands in Hands:
+        present = tuple(types.index(code) for code in hands.value if code in types)
+        if present:
+            return present
+    raise InputError(
+        f"correlation types {types} hold no Stokes I;"
+        " XX and YY (9, 12), RR and LL (5, 8) or I (1) are needed"
+    )
+
+
+def stokes_i(
+    correlations: Complex[Array, "row chan corr"],
+    weights: Float[Array, "row chan corr"],
+    flags: Bool[Array, "row chan corr"],
+) -> StokesI:
+    r"""Combine the hands of :func:`parallel_hands`, one or two of them.
+
+    .. math:: I = (p + q)/2, \qquad w_I = \frac{4}{1/w_p + 1/w_q}
+
+    A single hand stands for Stokes I as it is. One hand flagged or unusable flags the visibility.
+    """
+    flagged = flags[..., 0]
+    finite = np.isfinite(correlations[..., 0]) & np.isfinite(weights[..., 0])
+    positive = weights[..., 0] > 0
+    if correlations.shape[-1] == 2:
+        flagged = flagged | flags[..., 1]
+        finite &= np.isfinite(correlations[..., 1]) & np.isfinite(weights[..., 1])
+        positive &= weights[..., 1] > 0
+    usable = ~flagged & finite & positive
+
+    # Combine everywhere and zero the unusable after: cheaper than indexing.
+    with np.errstate(all="ignore"):
+        if correlations.shape[-1] == 2:
+            visibilities = 0.5 * (correlations[..., 0] + correlations[..., 1])
+            w_p, w_q = weights[..., 0], weights[..., 1]
+            combined = 4 / (1 / w_p + 1 / w_q)
+        else:
+            visibilities = correlations[..., 0].copy()
+            combined = weights[..., 0].copy()
+    unusable = ~usable
+    visibilities[unusable] = 0
+    combined[unusable] = 0
+    unflagged = ~flagged
+    return StokesI(
+        visibilities=visibilities,
+        weights=combined,
+        non_finite=int(np.count_nonzero(unflagged & ~finite)),
+        non_positive=int(np.count_nonzero(unflagged & finite & ~positive)),
+    )
