@@ -1,0 +1,62 @@
+"""How the visibilities around a source become a facet: what every way of doing it offers."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+from uvshear.galaxy import Galaxies, Profile
+from uvshear.interferometer.facet import Facet
+from uvshear.interferometer.visibilities import Visibilities
+
+
+@dataclass(frozen=True)
+class UvRange:
+    """Baseline lengths that take part in the shape [wavelengths]."""
+
+    minimum: float = 0.0
+    maximum: float = float("inf")
+
+    @property
+    def is_everything(self) -> bool:
+        """Whether nothing is cut."""
+        return self.minimum <= 0 and self.maximum == float("inf")
+
+
+@dataclass(frozen=True)
+class Target:
+    """A source to be cut out: its place, its size as expected, and the longest baseline there is.
+
+    Parameters
+    ----------
+    galaxy
+        The source as the catalogue has it (one element); the facet is centred on it.
+    scale_length
+        Median of the prior on the scale length [rad].
+    uv_range
+        Its maximum is finite: the longest baseline that is used.
+    """
+
+    galaxy: Galaxies
+    scale_length: float
+    uv_range: UvRange
+
+
+class FacetBuilder(ABC):
+    """A facet being gathered: visibilities go in chunk by chunk, in any order, from any file."""
+
+    @abstractmethod
+    def add(self, residual: Visibilities, model: Galaxies) -> None:
+        """Take in a chunk from which all models were subtracted, that of the source (``model``) too."""
+
+    @abstractmethod
+    def facet(self, model: Galaxies) -> Facet:
+        """Close: put the source's own ``model`` back and return the facet."""
+
+
+class FacetMethod(ABC):
+    """A way of making facets."""
+
+    @abstractmethod
+    def open(
+        self, target: Target, profile: Profile, previous: Facet | None = None
+    ) -> FacetBuilder:
+        """Begin the facet of one source; what a ``previous`` facet of it knows is not gathered again."""

@@ -1,0 +1,30 @@
+"""Which sources may be fitted side by side."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from uvshear.typing import Array, Float, Int
+
+
+def fitting_levels(
+    lm: Float[Array, "source 2"], flux: Float[Array, " source"], separation: float
+) -> tuple[Int[Array, " member"], ...]:
+    """Sources by level: each is fitted after all brighter ones within ``separation`` [rad] of it.
+
+    Within a level no two are closer than that. Decreasing flux matters between neighbours only, so this
+    gives what one long sequence in decreasing flux would give, in as many visits of the visibilities as the
+    longest chain of neighbours has members.
+    """
+    if len(lm) == 0:
+        return ()
+    neighbours = cKDTree(lm).query_ball_point(lm, separation)
+    order = np.argsort(-flux, kind="stable")
+    rank = np.empty(len(order), int)
+    rank[order] = np.arange(len(order))
+    level = np.zeros(len(order), int)
+    for source in order:
+        brighter = [j for j in neighbours[source] if rank[j] < rank[source]]
+        level[source] = 1 + max((level[j] for j in brighter), default=-1)
+    return tuple(
+        order[level[order] == value] for value in range(int(level.max()) + 1)
+    )

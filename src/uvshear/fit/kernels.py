@@ -1,0 +1,117 @@
+"""Numba kernels of the fit: one pass over the cells of a facet each, in the dtype of the cells.
+
+Sums run in that dtype over blocks of 256 cells and in float64 from there on.
+"""
+
+import math
+
+import numba
+
+from uvshear.predict.kernels import sine_cosine_of_turns
+
+OPTIONS = {"fastmath": True, "error_model": "numpy", "cache": True, "nogil": True}
+BLOCK = 256
+
+
+@numba.njit(**OPTIONS)
+def quadratic(x, y, form, q):  # type: ignore[no-untyped-def]
+    """Write form[0] x^2 + form[1] x y + form[2] y^2 into q."""
+    a, b, c = form.astype(q.dtype)
+    for i in range(q.size):
+        q[i] = a * x[i] * x[i] + b * x[i] * y[i] + c * y[i] * y[i]
+
+
+@numba.njit(**OPTIONS)
+def quadratics(x, y, forms, q):  # type: ignore[no-untyped-def]
+    """Write the quadratic form of each template (row) into q (template, cell)."""
+    for t in range(len(forms)):
+        a, b, c = forms[t].astype(q.dtype)
+        for i in range(x.size):
+            q[t, i] = a * x[i] * x[i] + b * x[i] * y[i] + c * y[i] * y[i]
+
+
+@numba.njit(**OPTIONS)
+def add_norms(envelopes, power, norms):  # type: ignore[no-untyped-def]
+    """Add <m, m> of each template over these cells to ``norms``."""
+    for t in range(len(envelopes)):
+        partial = power.dtype.type(0)
+        for i in range(power.size):
+            partial += power[i] * envelopes[t, i] * envelopes[t, i]
+        norms[t] += partial
+
+
+@numba.njit(**OPTIONS)
+def normal_sums(  # type: ignore[no-untyped-def]
+    envelope, slope, x, y, forms, real, imaginary, power, sums
+):
+    """Gauss-Newton sums for unit flux.
+
+    The responses are V, and V' dq/dp for p = e1, e2, ln alpha with dq/dp the quadratic forms ``forms``;
+    those of the position, i x V and i y V, are imaginary and decouple. Written into ``sums``: the four
+    products with the data, the ten of the responses with one another weighted by the power (upper triangle
+    by rows), two for the gradient in position, three for its curvature.
+    """
+    zero = x.dtype.type(0)
+    f = forms.astype(x.dtype)
+    for k in range(19):
+        sums[k] = 0.0
+    for start in range(0, x.size, BLOCK):
+        d0 = d1 = d2 = d3 = zero
+        n00 = n01 = n02 = n03 = n11 = n12 = n13 = n22 = n23 = n33 = zero
+        gx = gy = cxx = cxy = cyy = zero
+        for i in range(start, min(start + BLOCK, x.size)):
+            xx, xy, yy = x[i] * x[i], x[i] * y[i], y[i] * y[i]
+            v = envelope[i]
+            r1 = slope[i] * (f[0, 0] * xx + f[0, 1] * xy + f[0, 2] * yy)
+            r2 = slope[i] * (f[1, 0] * xx + f[1, 1] * xy + f[1, 2] * yy)
+            r3 = slope[i] * (f[2, 0] * xx + f[2, 1] * xy + f[2, 2] * yy)
+            d0 += real[i] * v
+            d1 += real[i] * r1
+            d2 += real[i] * r2
+            d3 += real[i] * r3
+            pv, p1, p2, p3 = power[i] * v, power[i] * r1, power[i] * r2, power[i] * r3
+            n00 += pv * v
+            n01 += pv * r1
+            n02 += pv * r2
+            n03 += pv * r3
+            n11 += p1 * r1
+            n12 += p1 * r2
+            n13 += p1 * r3
+            n22 += p2 * r2
+            n23 += p2 * r3
+            n33 += p3 * r3
+            odd = imaginary[i] * v
+            gx += odd * x[i]
+            gy += odd * y[i]
+            cxx += pv * v * xx
+            cxy += pv * v * xy
+            cyy += pv * v * yy
+        sums[0] += d0
+        sums[1] += d1
+        sums[2] += d2
+        sums[3] += d3
+        sums[4] += n00
+        sums[5] += n01
+        sums[6] += n02
+        sums[7] += n03
+        sums[8] += n11
+        sums[9] += n12
+        sums[10] += n13
+        sums[11] += n22
+        sums[12] += n23
+        sums[13] += n33
+        sums[14] += gx
+        sums[15] += gy
+        sums[16] += cxx
+        sums[17] += cxy
+        sums[18] += cyy
+
+
+@numba.njit(**OPTIONS)
+def displace(x, y, shift_x, shift_y, real, imaginary, new_real, new_imaginary):  # type: ignore[no-untyped-def]
+    """Multiply by exp(-i (x shift_x + y shift_y)): what stood at the shift stands at the centre."""
+    a, b = shift_x / (2 * math.pi), shift_y / (2 * math.pi)
+    for i in range(x.size):
+        sine, cosine = sine_cosine_of_turns(x[i] * a + y[i] * b)
+        new_real[i] = real[i] * cosine + imaginary[i] * sine
+        new_imaginary[i] = imaginary[i] * cosine - real[i] * sine

@@ -1,0 +1,226 @@
+"""The maximum of the likelihood: a robust start, then damped Gauss-Newton steps."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.fit.correlator import Correlator
+from uvshear.fit.measurement import GalaxyFit
+from uvshear.fit.prior import ShapePrior
+from uvshear.typing import Array, Float
+
+LARGEST_ELLIPTICITY = 0.95
+_TOLERANCE = 1e-3
+_MOST_STEPS = 40
+_UPPER = ((0, 0), (0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))
+
+
+@dataclass(frozen=True)
+class BestFit:
+    """Most likely parameters in the correlator's units, the size under its prior.
+
+    ``information`` is the Fisher matrix of (flux, e1, e2, ln alpha), the prior on ln alpha included; that of the
+    position is ``position_information``: the two decouple.
+    """
+
+    flux: float
+    position: Float[Array, " 2"]
+    ellipticity: complex
+    log_scale_length: float
+    information: Float[Array, "4 4"]
+    position_information: Float[Array, "2 2"]
+    has_converged: bool
+
+
+@dataclass(frozen=True)
+class _State:
+    ellipticity: complex
+    log_scale_length: float
+    flux: float
+    log_posterior: float
+    gradient: Float[Array, " 4"]
+    information: Float[Array, "4 4"]
+    pull: Float[Array, " 2"]
+    position_information: Float[Array, "2 2"]
+
+
+def maximise_likelihood(
+    correlator: Correlator, prior: ShapePrior, start: GalaxyFit | None = None
+) -> BestFit | None:
+    """Find the best galaxy; leave the correlator centred on it. None where no positive flux fits.
+
+    The cross-correlation has many peaks: without a ``start`` it is looked at over the whole prior of the
+    position before any step is taken, and over a coarse lattice of shapes at its highest peak.
+    """
+    if start is None:
+        correlator.move_to(_highest_peak(correlator, prior))
+        guess = _best_of_lattice(correlator, prior)
+        if guess is None:
+            return None
+        ellipticity, log_scale_length = guess
+    else:
+        correlator.move_to(start.offset / correlator.length)
+        ellipticity, log_scale_length = start.ellipticity, math.log(start.scale_length)
+    return _climb(correlator, prior, ellipticity, log_scale_length)
+
+
+def search_radius(correlator: Correlator, prior: ShapePrior) -> float:
+    """Radius of the position's prior in the correlator's units."""
+    if prior.position_radius is not None:
+        return prior.position_radius / correlator.length
+    return _peak_width(correlator, prior)
+
+
+def _peak_width(correlator: Correlator, prior: ShapePrior) -> float:
+    """Gaussian sigma of the autocorrelation of the circular median galaxy."""
+    form = correlator.form(0j, prior.log_scale_length)
+    sums = correlator.normal_sums(form, np.zeros((3, 3)))
+    return float(math.sqrt(2 * sums[4] / (sums[16] + sums[18])))
+
+
+def _highest_peak(correlator: Correlator, prior: ShapePrior) -> Float[Array, " 2"]:
+    """Highest cross-correlation with the circular median galaxy on a hexagonal lattice over the prior."""
+    spacing = 0.7 * _peak_width(correlator, prior)
+    nodes = _hexagonal_lattice(search_radius(correlator, prior), spacing)
+    displaced = correlator.displaced_to(nodes)
+    heights, _ = correlator.correlate(np.array([0j]), np.array([prior.log_scale_length]), displaced)
+    return nodes[np.argmax(heights[0])]
+
+
+def _hexagonal_lattice(radius: float, spacing: float) -> Float[Array, "sample 2"]:
+    reach = math.ceil(radius / spacing) + 1
+    i, j = np.mgrid[-reach : reach + 1, -reach : reach + 1]
+    points = np.stack([i + 0.5 * j, math.sqrt(0.75) * j], axis=-1).reshape(-1, 2) * spacing
+    return points[np.hypot(*points.T) <= radius * (1 + 1e-9)]
+
+
+def _best_of_lattice(correlator: Correlator, prior: ShapePrior) -> tuple[complex, float] | None:
+    """Shape of the highest posterior among 13 ellipticities and three sizes, at the present centre."""
+    angles = np.exp(2j * math.pi * np.arange(6) / 6)
+    ellipticity = np.concatenate([[0], 0.3 * angles, 0.6 * angles * np.exp(1j * math.pi / 6)])
+    steps = np.array([-1.0, 0.0, 1.0])
+    e = np.repeat(ellipticity, 3)
+    deviation = np.tile(steps, len(ellipticity))
+    sizes = prior.log_scale_length + deviation * prior.log_scale_length_sigma
+    heights, norm = correlator.correlate(e, sizes, correlator.displaced_to(np.zeros((1, 2))))
+    if not np.any(heights > 0):
+        return None
+    score = np.maximum(heights[:, 0], 0) ** 2 / (2 * norm) - 0.5 * deviation**2
+    best = int(np.argmax(score))
+    return complex(e[best]), float(sizes[best])
+
+
+def _climb(
+    correlator: Correlator, prior: ShapePrior, ellipticity: complex, log_scale_length: float
+) -> BestFit | None:
+    """Levenberg-Marquardt from a start at the correlator's centre; None where the flux turns negative."""
+    state = _evaluate(correlator, prior, ellipticity, log_scale_length)
+    longest = search_radius(correlator, prior)
+    damping, has_converged = 1e-3, False
+    for _ in range(_MOST_STEPS):
+        if state.flux <= 0:
+            return None
+        step = np.linalg.solve(_damped(state.information, damping), state.gradient)
+        shift = np.linalg.solve(_damped(state.position_information, damping), state.pull)
+        if state.gradient @ step + state.pull @ shift < _TOLERANCE:
+            has_converged = True
+            break
+        before = correlator.centre
+        correlator.move_to(before + _shortened(shift, longest))
+        e = _inside(state.ellipticity + complex(step[1], step[2]))
+        size = state.log_scale_length + float(np.clip(step[3], -0.7, 0.7))
+        trial = _evaluate(correlator, prior, e, size)
+        gain = trial.log_posterior - state.log_posterior
+        if gain > 0:
+            state, damping = trial, damping / 10
+        else:
+            correlator.move_to(before)
+            damping *= 10
+        # At the edge of the disc of ellipticities steps promise more than they can keep.
+        if abs(gain) < _TOLERANCE or damping > 1e6:
+            has_converged = True
+            break
+    return BestFit(
+        flux=state.flux,
+        position=correlator.centre,
+        ellipticity=state.ellipticity,
+        log_scale_length=state.log_scale_length,
+        information=state.information,
+        position_information=state.position_information,
+        has_converged=has_converged,
+    )
+
+
+def _damped(information: Float[Array, "n n"], damping: float) -> Float[Array, "n n"]:
+    return information + damping * np.diag(np.diag(information))
+
+
+def _evaluate(
+    correlator: Correlator, prior: ShapePrior, ellipticity: complex, log_scale_length: float
+) -> _State:
+    """Posterior at the best flux, its gradient and Fisher information, at the correlator's centre."""
+    form = correlator.form(ellipticity, log_scale_length)
+    derivatives = _form_derivatives(correlator, ellipticity, log_scale_length)
+    sums = correlator.normal_sums(form, derivatives)
+    products, upper = sums[:4], sums[4:14]
+    response = np.empty((4, 4))
+    for (i, j), value in zip(_UPPER, upper, strict=True):
+        response[i, j] = response[j, i] = value
+    norm = response[0, 0]
+    flux = float(products[0] / norm)
+    deviation = (log_scale_length - prior.log_scale_length) / prior.log_scale_length_sigma
+
+    amplitudes = np.array([1.0, flux, flux, flux])
+    information = response * np.outer(amplitudes, amplitudes)
+    gradient = amplitudes * (products - flux * response[0])
+    information[3, 3] += 1 / prior.log_scale_length_sigma**2
+    gradient[3] -= deviation / prior.log_scale_length_sigma
+    curvature = sums[[16, 17, 17, 18]].reshape(2, 2)
+    return _State(
+        ellipticity=ellipticity,
+        log_scale_length=log_scale_length,
+        flux=flux,
+        log_posterior=float(products[0] ** 2 / (2 * norm) - 0.5 * deviation**2),
+        gradient=gradient,
+        information=information,
+        pull=flux * sums[14:16],
+        position_information=flux**2 * curvature,
+    )
+
+
+def _form_derivatives(
+    correlator: Correlator, ellipticity: complex, log_scale_length: float
+) -> Float[Array, "3 3"]:
+    """d(form)/d(e1, e2, ln alpha); the form's coefficients are smooth in e, and a step of 1e-6 leaves 1e-9."""
+    step = 1e-6
+    rows = [
+        (correlator.form(ellipticity + d, log_scale_length) - correlator.form(ellipticity - d, log_scale_length))
+        / (2 * step)
+        for d in (step, 1j * step)
+    ]
+    return np.array([*rows, 2 * correlator.form(ellipticity, log_scale_length)])
+
+
+def _inside(ellipticity: complex) -> complex:
+    modulus = abs(ellipticity)
+    return ellipticity if modulus <= LARGEST_ELLIPTICITY else ellipticity * LARGEST_ELLIPTICITY / modulus
+
+
+def _shortened(step: Float[Array, " 2"], longest: float) -> Float[Array, " 2"]:
+    length = float(np.hypot(*step))
+    return step if length <= longest else step * (longest / length)
+
+
+def ellipticity_covariance(best: BestFit) -> Float[Array, "2 2"]:
+    """Of (e1, e2), flux and size marginalised, by the Fisher matrix."""
+    return np.linalg.inv(best.information)[1:3, 1:3]
+
+
+def log_scale_length_given_shape(best: BestFit) -> tuple[Float[Array, " 2"], float]:
+    """Regression of ln alpha on (e1, e2) with the flux free, and its standard deviation."""
+    covariance = np.linalg.inv(best.information)
+    slope = np.linalg.solve(covariance[1:3, 1:3], covariance[1:3, 3])
+    variance = covariance[3, 3] - slope @ covariance[1:3, 3]
+    return slope, math.sqrt(max(variance, 1e-12))
+

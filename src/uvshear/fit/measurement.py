@@ -1,0 +1,84 @@
+"""What a fit returns: numbers with their covariance, and one flag."""
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Self
+
+import numpy as np
+
+from uvshear.typing import Array, Float
+
+
+class FitFlag(Enum):
+    """What happened to a source; the value is the sentence, the lower-case name is what tables carry."""
+
+    OK = "measured"
+    OUTSIDE_FIELD = "the source is farther from the phase centre than the field that was sampled"
+    BELOW_HORIZON = "the source is 90 degrees or more from the phase centre"
+    POINT_SOURCE = "the catalogue's size is zero: subtracted, not measured"
+    NO_DATA = "no visibility within the uv range carries weight"
+    NO_PEAK = "the data do not correlate with a galaxy at this position: no positive flux fits"
+    OFF_POSITION = "the best position is outside the prior on the position"
+    NOT_CONVERGED = "the maximum of the likelihood was not found"
+
+    @property
+    def word(self) -> str:
+        """The flag as tables carry it."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True)
+class GalaxyFit:
+    """The most likely galaxy, as a sky model wants it: flux [Jy], offset from the facet's centre and size [rad]."""
+
+    flux: float
+    offset: Float[Array, " 2"]
+    ellipticity: complex
+    scale_length: float
+
+
+@dataclass(frozen=True)
+class ShapeMeasurement:
+    """Posterior means and standard deviations; NaN where nothing was measured.
+
+    Parameters
+    ----------
+    ellipticity
+        Posterior mean of e1, e2.
+    covariance
+        Of e1, e2.
+    flux, flux_err
+        At the frequency of the observation, in the unit of the facet [Jy].
+    scale_length, scale_length_err
+        [rad].
+    offset, offset_err
+        From the centre of the facet in l, m [rad].
+    snr
+        Flux over its error at fixed shape, S sqrt(<m, m>).
+    best
+        The most likely galaxy; None where nothing was measured.
+    """
+
+    ellipticity: Float[Array, " 2"]
+    covariance: Float[Array, "2 2"]
+    flux: float
+    flux_err: float
+    scale_length: float
+    scale_length_err: float
+    offset: Float[Array, " 2"]
+    offset_err: Float[Array, " 2"]
+    snr: float
+    best: GalaxyFit | None
+    flag: FitFlag
+
+    @classmethod
+    def failed(cls, flag: FitFlag) -> Self:
+        """Nothing measured, and why."""
+        nan = float("nan")
+        pair = np.full(2, nan)
+        return cls(pair, np.full((2, 2), nan), nan, nan, nan, nan, pair, pair, nan, None, flag)
+
+    @property
+    def e_sigma(self) -> float:
+        """det(covariance)^(1/4), the "1D standard deviation" of Rivi & Miller 2018, sect. 2.1."""
+        return float(max(np.linalg.det(self.covariance), 0.0) ** 0.25)

@@ -1,0 +1,82 @@
+r"""Flux and position out of the likelihood.
+
+With a flux uniform from zero, the likelihood of a template at position x is, with h = <d, m> and N = <m, m>,
+
+.. math:: L(x) \propto N^{-1/2}\, e^{h(x)^2/2N}\, \Phi(h(x)/\sqrt{N}).
+
+Its integral over x is a Gauss-Hermite sum about the best fit. At a signal-to-noise ratio of ten the noise shows
+in h on the scale of the beam: a Gaussian put on h's own peak and curvature (Rivi et al. 2016 do that) then
+meets templates whose curvature is all but singular, and believes them.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from scipy.special import log_ndtr
+
+from uvshear.fit.correlator import Correlator
+from uvshear.fit.maximum import BestFit
+from uvshear.typing import Array, Complex, Float
+
+_NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(4)
+_INFLATION = 1.2
+
+
+@dataclass(frozen=True)
+class MarginalLikelihood:
+    """One line a template, in the correlator's units: log L up to a constant, and what goes with the template.
+
+    ``offset`` counts from the best fit.
+    """
+
+    log_likelihood: Float[Array, " sample"]
+    flux: Float[Array, " sample"]
+    flux_variance: Float[Array, " sample"]
+    norm: Float[Array, " sample"]
+    offset: Float[Array, "sample 2"]
+    offset_covariance: Float[Array, "sample 2 2"]
+
+
+class PositionQuadrature:
+    """Gauss-Hermite nodes over the position, wider by a fifth than the Fisher covariance of the best fit."""
+
+    def __init__(
+        self, correlator: Correlator, nodes: Float[Array, "node 2"], log_weights: Float[Array, " node"]
+    ) -> None:
+        self._correlator, self._nodes, self._log_weights = correlator, nodes, log_weights
+        self._displaced = correlator.displaced_to(nodes)
+
+    @classmethod
+    def about(cls, correlator: Correlator, best: BestFit) -> Self:
+        """Build for a correlator centred on the best fit."""
+        z = np.stack(np.meshgrid(_NODES, _NODES), axis=-1).reshape(-1, 2)
+        weights = np.outer(_WEIGHTS, _WEIGHTS).ravel()
+        width = np.linalg.cholesky(_INFLATION * np.linalg.inv(best.position_information))
+        return cls(correlator, z @ width.T, np.log(weights) + 0.5 * np.sum(z**2, axis=1))
+
+    def marginalise(
+        self, ellipticity: Complex[Array, " sample"], log_scale_length: Float[Array, " sample"]
+    ) -> MarginalLikelihood:
+        """Likelihood of each template, flux and position integrated out."""
+        heights, norm = self._correlator.correlate(ellipticity, log_scale_length, self._displaced)
+        significance = heights / np.sqrt(norm)[:, None]
+        log_node = self._log_weights + 0.5 * significance**2 + log_ndtr(significance)
+        highest = log_node.max(axis=1)
+        share = np.exp(log_node - highest[:, None])
+        total = share.sum(axis=1)
+        share /= total[:, None]
+
+        flux = heights / norm[:, None]
+        mean_flux = np.sum(share * flux, axis=1)
+        offset = share @ self._nodes
+        away = self._nodes - offset[:, None, :]
+        return MarginalLikelihood(
+            log_likelihood=highest + np.log(total) - 0.5 * np.log(norm),
+            flux=mean_flux,
+            flux_variance=1 / norm + np.sum(share * (flux - mean_flux[:, None]) ** 2, axis=1),
+            norm=norm,
+            offset=offset,
+            offset_covariance=np.einsum("sn,sni,snj->sij", share, away, away),
+        )
+

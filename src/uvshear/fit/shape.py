@@ -1,0 +1,104 @@
+"""The fit of one facet: the best galaxy, and what is known of its shape."""
+
+import math
+
+import numpy as np
+
+from uvshear.fit.correlator import Correlator
+from uvshear.fit.maximum import BestFit, maximise_likelihood, search_radius
+from uvshear.fit.measurement import FitFlag, GalaxyFit, ShapeMeasurement
+from uvshear.fit.posterior import PosteriorSamples, sample_posterior
+from uvshear.fit.prior import ShapePrior
+from uvshear.galaxy import Profile
+from uvshear.interferometer.facet import Facet
+from uvshear.typing import Array, Float
+
+
+FLOAT32_SNR = 300.0
+"""Signal-to-noise ratio above which single precision does not carry differences of log L."""
+
+
+def fit_galaxy(
+    facet: Facet, prior: ShapePrior, profile: Profile, start: GalaxyFit | None = None
+) -> GalaxyFit | None:
+    """Most likely galaxy, for a sky model: a few milliseconds. None where nothing can be fitted."""
+    if not _has_data(facet):
+        return None
+    correlator = Correlator(facet, profile)
+    best = maximise_likelihood(correlator, prior, start)
+    return None if best is None else _galaxy(best, correlator)
+
+
+def measure_shape(
+    facet: Facet, prior: ShapePrior, profile: Profile, start: GalaxyFit | None = None
+) -> ShapeMeasurement:
+    """Posterior mean and covariance of the ellipticity; flux, position and size marginalised."""
+    if not _has_data(facet):
+        return ShapeMeasurement.failed(FitFlag.NO_DATA)
+    correlator = Correlator(facet, profile)
+    best = maximise_likelihood(correlator, prior, start)
+    if best is None:
+        return ShapeMeasurement.failed(FitFlag.NO_PEAK)
+    if math.sqrt(best.information[0, 0]) * best.flux > FLOAT32_SNR:
+        correlator = Correlator(facet, profile, np.float64)
+        best = maximise_likelihood(correlator, prior, _galaxy(best, correlator)) or best
+    samples = sample_posterior(correlator, prior, best)
+    return _summarise(samples, correlator, best, _judge(best, correlator, prior))
+
+
+def _galaxy(best: BestFit, correlator: Correlator) -> GalaxyFit:
+    return GalaxyFit(
+        flux=best.flux * correlator.flux_unit,
+        offset=best.position * correlator.length,
+        ellipticity=best.ellipticity,
+        scale_length=math.exp(best.log_scale_length),
+    )
+
+
+def _has_data(facet: Facet) -> bool:
+    return len(facet.uv) > 0 and float(np.sum(facet.power)) > 0
+
+
+def _judge(best: BestFit, correlator: Correlator, prior: ShapePrior) -> FitFlag:
+    if not best.has_converged:
+        return FitFlag.NOT_CONVERGED
+    # The lattice of starts reaches the edge; the climb may go a little over it.
+    if np.hypot(*best.position) > 1.5 * search_radius(correlator, prior):
+        return FitFlag.OFF_POSITION
+    return FitFlag.OK
+
+
+def _summarise(
+    samples: PosteriorSamples, correlator: Correlator, best: BestFit, flag: FitFlag
+) -> ShapeMeasurement:
+    """First and second moments of the posterior, in the units of the sky."""
+    given, p = samples.given_shape, samples.probability
+    e, covariance = _moments(
+        np.stack([samples.ellipticity.real, samples.ellipticity.imag], axis=-1), p
+    )
+    size, size_variance = _moments(np.exp(samples.log_scale_length)[:, None], p)
+    flux, flux_variance = _moments(given.flux[:, None], p)
+    offset, offset_covariance = _moments(given.offset + correlator.centre, p)
+    flux_variance = flux_variance[0, 0] + p @ given.flux_variance
+    offset_variance = np.diag(offset_covariance + np.tensordot(p, given.offset_covariance, 1))
+    return ShapeMeasurement(
+        ellipticity=e,
+        covariance=covariance,
+        flux=float(flux[0]) * correlator.flux_unit,
+        flux_err=math.sqrt(flux_variance) * correlator.flux_unit,
+        scale_length=float(size[0]),
+        scale_length_err=math.sqrt(size_variance[0, 0]),
+        offset=offset * correlator.length,
+        offset_err=np.sqrt(offset_variance) * correlator.length,
+        snr=float(flux[0] * math.sqrt(p @ given.norm)),
+        best=_galaxy(best, correlator),
+        flag=flag,
+    )
+
+
+def _moments(
+    values: Float[Array, "sample n"], probability: Float[Array, " sample"]
+) -> tuple[Float[Array, " n"], Float[Array, "n n"]]:
+    mean = probability @ values
+    deviation = values - mean
+    return mean, (deviation * probability[:, None]).T @ deviation
