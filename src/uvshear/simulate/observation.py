@@ -1,0 +1,132 @@
+"""A simulated observation: galaxies seen by an array, with noise."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from uvshear.galaxy.galaxies import Galaxies
+from uvshear.galaxy.profile import Profile
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.coverage import Coverage
+from uvshear.interferometer.noise import Noise
+from uvshear.interferometer.spectral_window import Channels
+from uvshear.interferometer.stokes import stokes_i
+from uvshear.interferometer.visibilities import Visibilities
+from uvshear.predict import predict_visibilities
+from uvshear.typing import Array, Complex, Float
+
+SAMPLES_PER_SLAB: Final = 2**18
+"""Visibilities whose noise comes from one stream of random numbers."""
+
+SLABS_PER_BLOCK: Final = 16
+"""Slabs predicted at once: 4 million visibilities, 64 MB."""
+
+
+@dataclass(frozen=True)
+class CorrelationBlock:
+    """Consecutive rows of a simulated observation.
+
+    Parameters
+    ----------
+    first_row
+        Place of the block's first row in the coverage.
+    correlations
+        The two parallel hands [Jy].
+    sigma
+        Standard deviation of one real component of each [Jy].
+    """
+
+    first_row: int
+    correlations: Complex[Array, "row chan corr"]
+    sigma: Float[Array, "row chan corr"]
+
+    def __len__(self) -> int:
+        return len(self.correlations)
+
+
+@dataclass(frozen=True)
+class SimulatedObservation:
+    """What an array sees of a field; an Observation like a Measurement Set, block by block.
+
+    Parameters
+    ----------
+    coverage
+        Baselines.
+    channels
+        Frequencies.
+    galaxies
+        The field, relative to the coverage's phase centre.
+    profile
+        Of all galaxies.
+    noise
+        Of the correlations.
+    seed
+        Of the noise: the same seed gives the same noise, whatever the number of threads. None adds
+        no noise, and keeps the weights that it would have had.
+    """
+
+    coverage: Coverage
+    channels: Channels
+    galaxies: Galaxies
+    profile: Profile
+    noise: Noise
+    seed: int | None
+
+    @property
+    def phase_centre(self) -> PhaseCentre:
+        """Direction of l = m = 0."""
+        return self.coverage.phase_centre
+
+    @property
+    def rows_per_slab(self) -> int:
+        """Rows that share a stream of random numbers; a matter of the number of channels alone."""
+        return max(1, SAMPLES_PER_SLAB // len(self.channels))
+
+    def blocks(self, threads: int = 1) -> Iterator[CorrelationBlock]:
+        """Simulate the correlations, a block of rows at a time."""
+        rows_per_block = SLABS_PER_BLOCK * self.rows_per_slab
+        for first_row in range(0, len(self.coverage), rows_per_block):
+            coverage = self.coverage.rows(slice(first_row, first_row + rows_per_block))
+            sky = predict_visibilities(
+                self.galaxies, coverage.uvw, self.channels.frequency, self.profile, threads
+            )
+            sigma = self.noise.correlation_sigma(coverage, self.channels).astype(np.float32)
+            correlations = np.repeat(sky.astype(np.complex64)[..., None], 2, axis=2)
+            if self.seed is not None:
+                self._add_noise(correlations, sigma, first_row // self.rows_per_slab)
+            yield CorrelationBlock(first_row, correlations, np.repeat(sigma[..., None], 2, axis=2))
+
+    def chunks(self) -> Iterator[Visibilities]:
+        """Simulate Stokes I, as it would be read from the Measurement Set."""
+        for block in self.blocks():
+            rows = slice(block.first_row, block.first_row + len(block))
+            combined = stokes_i(
+                block.correlations,
+                1 / block.sigma**2,
+                np.zeros(block.correlations.shape, dtype=bool),
+            )
+            yield Visibilities(
+                uvw=self.coverage.uvw[rows],
+                frequency=self.channels.frequency,
+                stokes_i=combined.visibilities,
+                weights=combined.weights,
+            )
+
+    def _add_noise(
+        self,
+        correlations: Complex[Array, "row chan corr"],
+        sigma: Float[Array, "row chan"],
+        first_slab: int,
+    ) -> None:
+        """Add noise in place, each slab from its own stream."""
+        components = correlations.view(np.float32)
+        for slab, start in enumerate(range(0, len(correlations), self.rows_per_slab), first_slab):
+            rows = slice(start, start + self.rows_per_slab)
+            generator = np.random.Generator(
+                np.random.Philox(np.random.SeedSequence(self.seed, spawn_key=(slab,)))
+            )
+            deviates = generator.standard_normal(components[rows].shape, dtype=np.float32)
+            deviates *= sigma[rows, :, None]
+            components[rows] += deviates
