@@ -1,0 +1,212 @@
+"""Write a simulated observation as a Measurement Set that wsclean, CASA and casacore open."""
+
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from casacore import tables
+
+from uvshear.errors import InputError
+from uvshear.interferometer.coverage import Coverage
+from uvshear.interferometer.stokes import Hands
+from uvshear.io.measurement_set_subtables import write_subtables
+from uvshear.io.outputs import check_output
+from uvshear.simulate.observation import CorrelationBlock, SimulatedObservation
+
+TILE_BYTES: Final = 2**20
+"""Size of a tile of each column: what a read touches at least."""
+
+CONSTANT_COLUMNS: Final = (
+    "ARRAY_ID",
+    "DATA_DESC_ID",
+    "FEED1",
+    "FEED2",
+    "FIELD_ID",
+    "FLAG_ROW",
+    "OBSERVATION_ID",
+    "PROCESSOR_ID",
+    "SCAN_NUMBER",
+    "STATE_ID",
+    "EXPOSURE",
+    "INTERVAL",
+)
+"""Columns of one value, stored once."""
+
+
+def write_measurement_set(
+    path: str | Path,
+    observation: SimulatedObservation,
+    *,
+    overwrite: bool = False,
+    threads: int = 1,
+    hands: Hands = Hands.LINEAR,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Simulate and write, a block of rows at a time; whole or not at all.
+
+    Parameters
+    ----------
+    path
+        Of the Measurement Set; written beside it under a temporary name, then renamed.
+    observation
+        What to simulate.
+    overwrite
+        Replace a Measurement Set that is there.
+    threads
+        For the prediction.
+    hands
+        Kind of feed.
+    progress
+        Called with the rows written and the rows in all after every block.
+    """
+    target = Path(path)
+    _check_target(target, overwrite)
+    with _casacore_errors(target), _written_whole(target) as unfinished:
+        _create(unfinished, observation)
+        write_subtables(unfinished, observation, hands)
+        with tables.table(str(unfinished), readonly=False, ack=False) as main:
+            for block in observation.blocks(threads):
+                _write_block(main, observation.coverage, block)
+                if progress is not None:
+                    progress(block.first_row + len(block), len(observation.coverage))
+
+
+def _check_target(target: Path, overwrite: bool) -> None:
+    check_output(target, overwrite=overwrite)
+    if target.exists() and not (target / "table.dat").is_file():
+        raise InputError(
+            f"{target}: is not a Measurement Set, so it is not overwritten; choose another name"
+        )
+
+
+@contextmanager
+def _written_whole(target: Path) -> Iterator[Path]:
+    """Give a path beside the target; move it there at the end, or remove it on any error."""
+    try:
+        directory = Path(
+            tempfile.mkdtemp(
+                prefix=f".{target.name}.", suffix=".unfinished", dir=target.resolve().parent
+            )
+        )
+    except OSError as error:
+        raise InputError(f"{target}: cannot be written here ({error.strerror})") from None
+    try:
+        unfinished = directory / target.name
+        yield unfinished
+        _exchange(unfinished, target, directory / "replaced")
+    finally:
+        shutil.rmtree(directory, ignore_errors=True)
+
+
+def _exchange(unfinished: Path, target: Path, replaced: Path) -> None:
+    """Put the new set in the place of the old one, or leave the old one there."""
+    try:
+        if target.exists():
+            target.rename(replaced)
+        unfinished.rename(target)
+    except BaseException:
+        if replaced.exists() and not target.exists():
+            replaced.rename(target)
+        raise
+
+
+@contextmanager
+def _casacore_errors(target: Path) -> Iterator[None]:
+    try:
+        yield
+    except (RuntimeError, OSError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{target}: cannot be written ({reason})") from error
+
+
+def _create(path: Path, observation: SimulatedObservation) -> None:
+    """Create an empty Measurement Set with tiled columns, of the right number of rows."""
+    chan, corr = len(observation.channels), 2
+    tiled = {
+        "DATA": (0j, "complex", [chan, corr], 8),
+        "FLAG": (False, "boolean", [chan, corr], 1),
+        "WEIGHT_SPECTRUM": (0.0, "float", [chan, corr], 4),
+        "SIGMA_SPECTRUM": (0.0, "float", [chan, corr], 4),
+        "WEIGHT": (0.0, "float", [corr], 4),
+        "SIGMA": (0.0, "float", [corr], 4),
+        "UVW": (0.0, "double", [3], 8),
+    }
+    description, managers = tables.required_ms_desc("MAIN"), {}
+    for name, (example, kind, shape, item_bytes) in tiled.items():
+        managers[f"Tiled{name}"] = _tiled_manager(
+            name, shape, item_bytes, len(observation.coverage)
+        )
+        if name in description:
+            description[name] |= {"option": 5, "shape": shape, "ndim": len(shape)}
+        else:
+            column = tables.makearrcoldesc(
+                name, example, shape=shape, valuetype=kind, comment="One value a sample"
+            )
+            description |= tables.maketabdesc(column)
+    managers["Constant"] = {
+        "TYPE": "IncrementalStMan",
+        "NAME": "Constant",
+        "COLUMNS": list(CONSTANT_COLUMNS),
+    }
+    for name, manager in managers.items():
+        for column in manager["COLUMNS"]:
+            description[column] |= {
+                "dataManagerType": manager["TYPE"],
+                "dataManagerGroup": name,
+            }
+    description["UVW"]["keywords"]["MEASINFO"]["Ref"] = "J2000"
+    with tables.default_ms(str(path), description, managers) as main:
+        # An incremental column hands its last value on to the rows added after it.
+        main.addrows(1)
+        _write_constants(main, observation.coverage)
+        main.addrows(len(observation.coverage) - 1)
+
+
+def _tiled_manager(column: str, shape: list[int], item_bytes: int, rows: int) -> dict[str, Any]:
+    cell_bytes = int(np.prod(shape)) * item_bytes
+    tile_rows = max(1, min(rows, TILE_BYTES // cell_bytes))
+    return {
+        "TYPE": "TiledColumnStMan",
+        "NAME": f"Tiled{column}",
+        "COLUMNS": [column],
+        "SPEC": {"DEFAULTTILESHAPE": np.array([*reversed(shape), tile_rows], dtype=np.int32)},
+    }
+
+
+def _write_constants(main: tables.table, coverage: Coverage) -> None:
+    """Fill the first row of the columns of one value."""
+    for column in CONSTANT_COLUMNS:
+        value: object = 0
+        if column == "FLAG_ROW":
+            value = False
+        elif column == "SCAN_NUMBER":
+            value = 1
+        elif column in {"EXPOSURE", "INTERVAL"}:
+            value = coverage.integration
+        main.putcell(column, 0, value)
+
+
+def _write_block(main: tables.table, coverage: Coverage, block: CorrelationBlock) -> None:
+    start, count = block.first_row, len(block)
+    rows = coverage.rows(slice(start, start + count))
+    weight_spectrum = 1 / block.sigma**2
+    weight = weight_spectrum.mean(axis=1)
+    columns = {
+        "TIME": rows.time,
+        "TIME_CENTROID": rows.time,
+        "ANTENNA1": rows.antenna1,
+        "ANTENNA2": rows.antenna2,
+        "UVW": rows.uvw,
+        "DATA": block.correlations,
+        "FLAG": np.zeros(block.correlations.shape, dtype=bool),
+        "WEIGHT_SPECTRUM": weight_spectrum,
+        "SIGMA_SPECTRUM": block.sigma,
+        "WEIGHT": weight,
+        "SIGMA": 1 / np.sqrt(weight),
+    }
+    for name, values in columns.items():
+        main.putcol(name, values, start, count)

@@ -1,0 +1,54 @@
+"""Small Measurement Sets, built by the tests that read them."""
+
+from pathlib import Path
+
+import numpy as np
+from casacore import tables
+
+from uvshear.galaxy import Exponential, Galaxies
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.coverage import Track, synthesise
+from uvshear.interferometer.layout import load_layout
+from uvshear.interferometer.noise import CorrelationNoise
+from uvshear.interferometer.spectral_window import Channels
+from uvshear.io.measurement_set_writer import write_measurement_set
+from uvshear.simulate.observation import SimulatedObservation
+
+PHASE_CENTRE = PhaseCentre(1.0, -0.5)
+SEFD = ((13.5, 500.0), (15.0, 320.0))
+
+
+def simulated(seed: int | None = 1, channels: int = 4, layout: str = "ska-mid-aa1"):
+    """An observation of 28 baselines and 60 integrations."""
+    track = Track.from_clock(PHASE_CENTRE, ((-1800.0, 1800.0),), 60.0)
+    galaxies = Galaxies(
+        l=np.array([1e-3, -4e-4]),
+        m=np.array([2e-3, 3e-4]),
+        flux=np.array([1e-3, 2e-3]),
+        scale_length=np.array([0.0, 5e-6]),
+        ellipticity=np.array([0, 0.2 + 0.1j]),
+        spectral_index=np.array([-0.7, -0.7]),
+    )
+    return SimulatedObservation(
+        coverage=synthesise(load_layout(layout), track),
+        channels=Channels.from_band(950e6, 1190e6, channels),
+        galaxies=galaxies,
+        profile=Exponential(),
+        noise=CorrelationNoise(SEFD),
+        seed=seed,
+    )
+
+
+def written(directory: Path, **changes) -> Path:
+    """Write the simulated observation."""
+    path = directory / "field.ms"
+    write_measurement_set(path, simulated(**changes))
+    return path
+
+
+def change(path: Path, column: str, value, rows=None, subtable: str = "") -> None:
+    """Set cells of a column to a value."""
+    with tables.table(str(path / subtable), readonly=False, ack=False) as table:
+        values = table.getcol(column)
+        values[slice(None) if rows is None else rows] = value
+        table.putcol(column, values)
