@@ -1,0 +1,275 @@
+"""Read Stokes I from a Measurement Set, a block of rows at a time."""
+
+import dataclasses
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from functools import reduce
+from pathlib import Path
+from typing import Final, Self
+
+import numpy as np
+from casacore import tables
+
+from uvshear.errors import InputError
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.spectral_window import Channels
+from uvshear.interferometer.stokes import stokes_i
+from uvshear.interferometer.visibilities import Visibilities
+from uvshear.io.measurement_set_header import (
+    DataDescription,
+    Header,
+    casacore_errors,
+    open_table,
+    read_header,
+)
+from uvshear.typing import Array, Bool, Complex, Float, Int
+
+BYTES_PER_SAMPLE: Final = 32
+"""What a sample of one correlation takes while it is read, work on it included."""
+
+BYTES_PER_ROW: Final = 64
+"""What a row takes beside its samples: UVW, antennas, identifiers."""
+
+
+@dataclass(frozen=True)
+class MeasurementSetSummary:
+    """Counts of one reading.
+
+    Parameters
+    ----------
+    rows
+        Cross-correlations of the field.
+    autocorrelations
+        Rows left out because both antennas are the same.
+    samples
+        Visibilities of Stokes I: rows times channels.
+    usable
+        Those with a positive weight.
+    flagged
+        Those with FLAG or FLAG_ROW set in a hand.
+    non_finite
+        Unflagged ones with a NaN or an infinity in data or weights.
+    non_positive_weights
+        Unflagged finite ones with a zero or negative weight.
+    """
+
+    rows: int = 0
+    autocorrelations: int = 0
+    samples: int = 0
+    usable: int = 0
+    flagged: int = 0
+    non_finite: int = 0
+    non_positive_weights: int = 0
+
+    @property
+    def flagged_fraction(self) -> float:
+        """Part of the samples that is flagged."""
+        return self.flagged / self.samples if self.samples else 0.0
+
+    def __add__(self, other: Self) -> Self:
+        """Add the counts."""
+        return type(self)(
+            *(getattr(self, one.name) + getattr(other, one.name) for one in fields(self))
+        )
+
+
+@dataclass(frozen=True)
+class MeasurementSet:
+    """One field of a Measurement Set as an observation of Stokes I; UVW as stored.
+
+    It holds no open table: it pickles, and a worker opens the set by its path.
+
+    Parameters
+    ----------
+    path
+        Of the set.
+    column
+        DATA, CORRECTED_DATA, ...
+    field
+        FIELD_ID or name; needed only where rows of several fields are present.
+    memory
+        Size of a chunk's buffers, whatever the number of rows [bytes].
+    """
+
+    path: str | Path
+    column: str = "DATA"
+    field: int | str | None = None
+    memory: int = 2**28
+    header: Header = dataclasses.field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        header = read_header(Path(self.path), self.column, self.field)
+        object.__setattr__(self, "header", header)
+
+    @property
+    def phase_centre(self) -> PhaseCentre:
+        """Direction of l = m = 0, the field's PHASE_DIR."""
+        return self.header.phase_centre
+
+    @property
+    def spectral_windows(self) -> tuple[Channels, ...]:
+        """Channels of each DATA_DESC_ID."""
+        return tuple(description.channels for description in self.header.descriptions)
+
+    def chunks(self) -> Iterator[Visibilities]:
+        """Read the cross-correlations once; a chunk has one spectral window.
+
+        Raises
+        ------
+        InputError
+            At the end, when nothing read had a positive weight.
+        """
+        summary = MeasurementSetSummary()
+        for visibilities, counts in self._read():
+            summary += counts
+            if len(visibilities):
+                yield visibilities
+        _check_usable(Path(self.path), summary)
+
+    def summary(self) -> MeasurementSetSummary:
+        """Read everything once and count."""
+        return reduce(
+            lambda total, counts: total + counts,
+            (counts for _, counts in self._read()),
+            MeasurementSetSummary(),
+        )
+
+    @property
+    def rows_per_chunk(self) -> int:
+        """Rows whose buffers fill ``memory``."""
+        samples = max(len(one.channels) * one.correlations for one in self.header.descriptions)
+        return max(1, self.memory // (BYTES_PER_SAMPLE * samples + BYTES_PER_ROW))
+
+    def _read(self) -> Iterator[tuple[Visibilities, MeasurementSetSummary]]:
+        path = Path(self.path)
+        with open_table(path) as main, casacore_errors(path, f"column {self.column}"):
+            reader = _Reader(main, self.column, self.header)
+            for start in range(0, self.header.rows, self.rows_per_chunk):
+                count = min(self.rows_per_chunk, self.header.rows - start)
+                for description, rows in reader.split(start, count):
+                    yield reader.read(description, rows)
+
+
+class _Reader:
+    """One pass over an open table, with buffers used again from chunk to chunk."""
+
+    def __init__(self, main: tables.table, column: str, header: Header) -> None:
+        self.main = main
+        self.column = column
+        self.header = header
+        self.dtype = np.dtype("c16" if main.coldatatype(column) == "dcomplex" else "c8")
+        self.has_flag_row = "FLAG_ROW" in main.colnames()
+        self.buffers: dict[str, Array] = {}
+
+    def split(self, start: int, count: int) -> Iterator[tuple[DataDescription, Int[Array, " row"]]]:
+        """Rows of the chosen field, spectral window by spectral window."""
+        rows = np.arange(start, start + count)
+        if self.header.field is not None:
+            rows = rows[self.main.getcol("FIELD_ID", start, count) == self.header.field]
+        if len(self.header.descriptions) == 1:
+            identifiers = np.zeros(len(rows), dtype=int)
+        else:
+            identifiers = self.main.getcol("DATA_DESC_ID", start, count)[rows - start]
+        for description in self.header.descriptions:
+            selected = rows[identifiers == description.identifier]
+            if len(selected):
+                yield description, selected
+
+    def read(
+        self, description: DataDescription, rows: Int[Array, " row"]
+    ) -> tuple[Visibilities, MeasurementSetSummary]:
+        """Stokes I of some rows of one spectral window."""
+        table, start = self.main, int(rows[0])
+        if rows[-1] - rows[0] + 1 != len(rows):
+            table, start = self.main.selectrows(rows), 0
+        count = len(rows)
+        shape = (count, len(description.channels), description.correlations)
+        correlations = self._fill(table, self.column, start, shape, self.dtype)
+        flags = self._fill(table, "FLAG", start, shape, np.dtype(bool))
+        if self.has_flag_row:
+            flags |= table.getcol("FLAG_ROW", start, count)[:, None, None]
+        weights = self._weights(table, start, shape)
+        uvw = np.empty((count, 3))
+        table.getcolnp("UVW", uvw, start, count)
+        is_cross = table.getcol("ANTENNA1", start, count) != table.getcol("ANTENNA2", start, count)
+        # A slice of the correlations, not an index: a view costs nothing.
+        first, last = min(description.hands), max(description.hands)
+        hands = slice(first, last + 1, max(1, last - first))
+        if is_cross.all():
+            return _combine(
+                description, uvw, correlations[..., hands], weights[..., hands], flags[..., hands]
+            )
+        visibilities, counts = _combine(
+            description,
+            uvw[is_cross],
+            correlations[is_cross, :, hands],
+            weights[is_cross, :, hands],
+            flags[is_cross, :, hands],
+        )
+        autocorrelations = count - int(np.count_nonzero(is_cross))
+        return visibilities, counts + MeasurementSetSummary(autocorrelations=autocorrelations)
+
+    def _weights(
+        self, table: tables.table, start: int, shape: tuple[int, int, int]
+    ) -> Float[Array, "row chan corr"]:
+        column = self.header.weight_column
+        if column == "WEIGHT_SPECTRUM":
+            return self._fill(table, column, start, shape, np.dtype("f4"))
+        rows, _, correlations = shape
+        values = self._fill(table, column, start, (rows, correlations), np.dtype("f4"))
+        if column == "SIGMA":
+            with np.errstate(divide="ignore", over="ignore"):
+                values = np.where(values > 0, 1 / values**2, 0)
+        return np.broadcast_to(values[:, None, :], shape)
+
+    def _fill(
+        self, table: tables.table, column: str, start: int, shape: tuple[int, ...], dtype: np.dtype
+    ) -> Array:
+        """Read a column into this column's buffer."""
+        size = int(np.prod(shape))
+        if column not in self.buffers or self.buffers[column].size < size:
+            self.buffers[column] = np.empty(size, dtype=dtype)
+        view = self.buffers[column][:size].reshape(shape)
+        table.getcolnp(column, view, start, shape[0])
+        return view
+
+
+def _combine(
+    description: DataDescription,
+    uvw: Float[Array, "row 3"],
+    correlations: Complex[Array, "row chan corr"],
+    weights: Float[Array, "row chan corr"],
+    flags: Bool[Array, "row chan corr"],
+) -> tuple[Visibilities, MeasurementSetSummary]:
+    combined = stokes_i(correlations, weights, flags)
+    usable = int(np.count_nonzero(combined.weights))
+    counts = MeasurementSetSummary(
+        rows=len(uvw),
+        samples=combined.weights.size,
+        usable=usable,
+        flagged=combined.weights.size - usable - combined.non_finite - combined.non_positive,
+        non_finite=combined.non_finite,
+        non_positive_weights=combined.non_positive,
+    )
+    visibilities = Visibilities(
+        uvw=uvw,
+        frequency=description.channels.frequency,
+        stokes_i=combined.visibilities,
+        weights=combined.weights,
+    )
+    return visibilities, counts
+
+
+def _check_usable(path: Path, summary: MeasurementSetSummary) -> None:
+    if summary.usable:
+        return
+    if not summary.rows:
+        raise InputError(
+            f"{path}: holds autocorrelations alone; baselines between antennas are needed"
+        )
+    if summary.flagged == summary.samples:
+        raise InputError(f"{path}: all visibilities are flagged; there is nothing to measure")
+    raise InputError(
+        f"{path}: no visibility is usable: of {summary.samples}, {summary.flagged} are flagged,"
+        f" {summary.non_finite} not finite, {summary.non_positive_weights} without positive weight"
+    )

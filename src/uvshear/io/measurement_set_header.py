@@ -1,0 +1,240 @@
+"""What stands in a Measurement Set's subtables, checked: everything but the rows."""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from casacore import tables
+
+from uvshear.errors import InputError
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.spectral_window import Channels
+from uvshear.interferometer.stokes import parallel_hands
+
+NEEDED_COLUMNS = ("UVW", "FLAG", "ANTENNA1", "ANTENNA2", "DATA_DESC_ID", "FIELD_ID")
+WEIGHT_COLUMNS = ("WEIGHT_SPECTRUM", "WEIGHT", "SIGMA")
+FRAMES = ("J2000", "ICRS")
+ROWS_SCANNED = 2**20
+WEIGHT_PROBES = 256
+
+
+@dataclass(frozen=True)
+class DataDescription:
+    """How the rows of one DATA_DESC_ID are laid out.
+
+    Parameters
+    ----------
+    identifier
+        The DATA_DESC_ID.
+    channels
+        Of its spectral window.
+    correlations
+        Number of correlations.
+    hands
+        Indices of those that make Stokes I.
+    """
+
+    identifier: int
+    channels: Channels
+    correlations: int
+    hands: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Header:
+    """What is read of a Measurement Set once.
+
+    Parameters
+    ----------
+    rows
+        Of the main table.
+    field
+        The one FIELD_ID that is read; None when all rows have it.
+    phase_centre
+        Of that field.
+    descriptions
+        One for each DATA_DESC_ID, in order.
+    weight_column
+        WEIGHT_SPECTRUM, WEIGHT or SIGMA: the first that is filled.
+    """
+
+    rows: int
+    field: int | None
+    phase_centre: PhaseCentre
+    descriptions: tuple[DataDescription, ...]
+    weight_column: str
+
+
+@contextmanager
+def casacore_errors(path: Path, what: str) -> Iterator[None]:
+    """Turn casacore's own errors into one line."""
+    try:
+        yield
+    except (RuntimeError, OSError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(f"{path}: {what} cannot be read ({reason})") from error
+
+
+@contextmanager
+def open_table(path: Path, subtable: str = "") -> Iterator[tables.table]:
+    """Open for reading, and close."""
+    with casacore_errors(path, f"the {subtable or 'main'} table"):
+        opened = tables.table(str(path / subtable), ack=False)
+    try:
+        yield opened
+    finally:
+        opened.close()
+
+
+def read_header(path: Path, column: str, field: int | str | None) -> Header:
+    """Read and check; what is wrong raises one line."""
+    _check_is_measurement_set(path)
+    with open_table(path) as main:
+        _check_columns(path, main, column)
+        if main.nrows() == 0:
+            raise InputError(f"{path}: has no rows; an observation with visibilities is needed")
+        with casacore_errors(path, "a column"):
+            field_id, is_only_field = _choose_field(path, main, field)
+            return Header(
+                rows=main.nrows(),
+                field=None if is_only_field else field_id,
+                phase_centre=_phase_centre(path, field_id),
+                descriptions=_descriptions(path),
+                weight_column=_weight_column(path, main, column),
+            )
+
+
+def _check_is_measurement_set(path: Path) -> None:
+    if not path.exists():
+        raise InputError(f"{path}: no such file; the path of a Measurement Set is needed")
+    if not (path / "table.dat").is_file():
+        raise InputError(f"{path}: not a Measurement Set (a directory that holds table.dat)")
+    with open_table(path) as main:
+        if "MS_VERSION" not in main.keywordnames() or "SPECTRAL_WINDOW" not in main.keywordnames():
+            raise InputError(
+                f"{path}: a casacore table, but not a Measurement Set (MS_VERSION is missing);"
+                " give the Measurement Set itself, not one of its subtables"
+            )
+
+
+def _check_columns(path: Path, main: tables.table, column: str) -> None:
+    present = main.colnames()
+    if column not in present:
+        like = [name for name in present if _is_complex_column(main, name)]
+        raise InputError(
+            f"{path}: no column {column}; those with visibilities: {', '.join(like) or 'none'}"
+        )
+    if not _is_complex_column(main, column):
+        raise InputError(
+            f"{path}: column {column} holds {main.coldatatype(column)}, not complex visibilities"
+        )
+    missing = [name for name in NEEDED_COLUMNS if name not in present]
+    if missing:
+        raise InputError(
+            f"{path}: no column {', '.join(missing)};"
+            " every Measurement Set has it, this one is damaged"
+        )
+
+
+def _is_complex_column(main: tables.table, name: str) -> bool:
+    return str(main.coldatatype(name)) in {"complex", "dcomplex"}
+
+
+def _choose_field(path: Path, main: tables.table, field: int | str | None) -> tuple[int, bool]:
+    """Return the FIELD_ID to read, and whether all rows have it."""
+    with open_table(path, "FIELD") as fields:
+        names = [str(name) for name in fields.getcol("NAME")] if fields.nrows() else []
+    if not names:
+        raise InputError(f"{path}: FIELD is empty, so there is no phase centre; it needs a row")
+    if len(names) == 1:
+        present = {0}
+    else:
+        present = set()
+        for start in range(0, main.nrows(), ROWS_SCANNED):
+            present |= set(np.unique(main.getcol("FIELD_ID", start, ROWS_SCANNED)).tolist())
+    listed = ", ".join(
+        f"{index} ({names[index]})" for index in sorted(present) if index < len(names)
+    )
+    if field is None:
+        if len(present) > 1:
+            raise InputError(f"{path}: several fields, {listed}; choose one with field=")
+        chosen = next(iter(present))
+    else:
+        matching = [
+            index
+            for index in sorted(present)
+            if index == field or (index < len(names) and names[index] == field)
+        ]
+        if not matching:
+            raise InputError(f"{path}: no rows of field {field}; there are {listed}")
+        chosen = matching[0]
+    if not 0 <= chosen < len(names):
+        raise InputError(f"{path}: FIELD_ID {chosen} has no row in FIELD, so no phase centre")
+    return chosen, len(present) == 1
+
+
+def _phase_centre(path: Path, field: int) -> PhaseCentre:
+    with open_table(path, "FIELD") as fields:
+        if "PHASE_DIR" not in fields.colnames() or not fields.iscelldefined("PHASE_DIR", field):
+            raise InputError(f"{path}: FIELD has no PHASE_DIR for field {field}; it needs one")
+        reference = fields.getcolkeywords("PHASE_DIR").get("MEASINFO", {})
+        direction = np.ravel(fields.getcell("PHASE_DIR", field))
+    frame = reference.get("Ref", "J2000")
+    if "VarRefCol" in reference or frame not in FRAMES:
+        raise InputError(
+            f"{path}: PHASE_DIR of FIELD is in frame {reference.get('VarRefCol', frame)};"
+            f" {' or '.join(FRAMES)} for all rows is needed"
+        )
+    if len(direction) > 2 and np.any(direction[2:] != 0):
+        raise InputError(
+            f"{path}: field {field} moves (PHASE_DIR is a polynomial in time); it must stand still"
+        )
+    ra, dec = (float(angle) for angle in direction[:2])
+    if not (math.isfinite(ra) and abs(dec) <= math.pi / 2):
+        raise InputError(f"{path}: PHASE_DIR of field {field} is ({ra}, {dec}); radians are needed")
+    return PhaseCentre(ra=ra, dec=dec)
+
+
+def _descriptions(path: Path) -> tuple[DataDescription, ...]:
+    with open_table(path, "DATA_DESCRIPTION") as subtable:
+        windows = subtable.getcol("SPECTRAL_WINDOW_ID")
+        polarizations = subtable.getcol("POLARIZATION_ID")
+    found = []
+    with open_table(path, "SPECTRAL_WINDOW") as spectral, open_table(path, "POLARIZATION") as feeds:
+        for index, (window, polarization) in enumerate(zip(windows, polarizations, strict=True)):
+            types = feeds.getcell("CORR_TYPE", int(polarization))
+            try:
+                channels = Channels(
+                    frequency=np.asarray(spectral.getcell("CHAN_FREQ", int(window)), dtype=float),
+                    width=np.abs(np.asarray(spectral.getcell("CHAN_WIDTH", int(window)), float)),
+                )
+                hands = parallel_hands([int(code) for code in types])
+            except InputError as error:
+                raise InputError(f"{path}: DATA_DESC_ID {index}: {error}") from None
+            found.append(DataDescription(index, channels, len(types), hands))
+    if not found:
+        raise InputError(
+            f"{path}: DATA_DESCRIPTION is empty; it needs a row for each spectral window"
+        )
+    return tuple(found)
+
+
+def _weight_column(path: Path, main: tables.table, column: str) -> str:
+    """Return the first weight column that is filled, judged by rows spread over the set."""
+    rows = np.unique(np.linspace(0, main.nrows() - 1, WEIGHT_PROBES).astype(int)).tolist()
+    for name in WEIGHT_COLUMNS:
+        if name not in main.colnames() or not all(main.iscelldefined(name, row) for row in rows):
+            continue
+        if name == "WEIGHT_SPECTRUM" and any(
+            np.shape(main.getcell(name, row)) != np.shape(main.getcell(column, row)) for row in rows
+        ):
+            continue
+        if any(np.any(np.asarray(main.getcell(name, row)) > 0) for row in rows):
+            return name
+    raise InputError(
+        f"{path}: no positive weights in {', '.join(WEIGHT_COLUMNS)};"
+        " one of them must hold 1/sigma^2 (or sigma)"
+    )

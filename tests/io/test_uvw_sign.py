@@ -1,0 +1,51 @@
+"""The sense of the stored baselines."""
+
+import numpy as np
+import pytest
+from casacore import tables
+
+from tests.io.measurement_sets import change, written
+from tests.io.test_measurement_set import _real
+from uvshear.io.uvw_sign import uvw_sign_agrees
+
+
+def _with_uvw(path, transform):
+    with tables.table(str(path), readonly=False, ack=False) as main:
+        main.putcol("UVW", transform(main.getcol("UVW")))
+
+
+def test_a_simulated_set_agrees(tmp_path):
+    assert uvw_sign_agrees(written(tmp_path)) is True
+
+
+def test_reversed_baselines_are_found(tmp_path):
+    path = written(tmp_path)
+    _with_uvw(path, np.negative)
+    assert uvw_sign_agrees(path) is False
+
+
+@pytest.mark.parametrize("transform", [lambda uvw: 0 * uvw, lambda uvw: uvw[::-1].copy()])
+def test_baselines_that_fit_neither_way_are_unclear(tmp_path, transform):
+    path = written(tmp_path)
+    _with_uvw(path, transform)
+    assert uvw_sign_agrees(path) is None
+
+
+def test_autocorrelations_alone_are_unclear(tmp_path):
+    path = written(tmp_path)
+    change(path, "ANTENNA1", 0)
+    change(path, "ANTENNA2", 0)
+    assert uvw_sign_agrees(path) is None
+
+
+@pytest.mark.real
+@pytest.mark.parametrize(
+    ("archive", "sense"),
+    [
+        ("day2_TDEM0003_10s_norx_1src_1spw.ms.tar.gz", True),
+        ("tDish.MS.tgz", True),
+        ("tOSKAR.in_MS.tgz", False),  # LOFAR's sense: X(ANTENNA2) - X(ANTENNA1)
+    ],
+)
+def test_real_sets_have_a_sense(tmp_path, archive, sense):
+    assert uvw_sign_agrees(_real(tmp_path, archive)) is sense
