@@ -20,7 +20,7 @@ import numpy as np
 from scipy import fft
 
 from uvshear.constants import SPEED_OF_LIGHT
-from uvshear.extraction.facets import FacetBuilder, FacetMethod, Target, UvRange
+from uvshear.extraction.facets import FacetBuilder, FacetMethod, Target, UvRange, spectral_gain
 from uvshear.extraction.phase import baselines_seen_from, shift_phase_centre
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.geometry.ellipticity import quadratic_form
@@ -36,27 +36,33 @@ INFORMATIVE = 3.0
 """Baselines beyond this over the median scale length are left out: |V|^2 is 2e-8 there for the median galaxy,
 2e-6 for one half as large."""
 
-LARGEST_PHASE = 0.05
-"""Phase of w x^2/2 at the facet's edge above which the gridder takes care of w [rad]."""
+LARGEST_PHASE = 0.5
+"""Phase pi w x^2 at the facet's edge above which the gridder takes care of it, at four times the cost [rad].
+The phase centre and the slope of w (n - 1) there are exact; this second order multiplies the residual only."""
 
 
 @dataclass(frozen=True)
 class ExactFacets(FacetMethod):
     """Facets ``scale_lengths`` times the median scale length wide."""
 
-    scale_lengths: float = 60.0
+    scale_lengths: float = 48.0
     epsilon: float = 1e-5
 
     def open(
-        self, target: Target, profile: Profile, previous: Facet | None = None
+        self,
+        target: Target,
+        profile: Profile,
+        power: Float[Array, " cell"] | None = None,
     ) -> FacetBuilder:
         """Begin the facet of one source."""
         uv_max = min(target.uv_range.maximum, INFORMATIVE / target.scale_length)
         pixel = 1 / (2 * OVERSAMPLING * uv_max)
-        size = max(fft.next_fast_len(math.ceil(self.scale_lengths * target.scale_length / pixel)), 32)
+        size = max(
+            fft.next_fast_len(math.ceil(self.scale_lengths * target.scale_length / pixel)), 32
+        )
         grid = ImageGrid(size + size % 2, pixel)
         band = UvRange(target.uv_range.minimum, uv_max)
-        return _ExactBuilder(target, profile, grid, band, self.epsilon, previous)
+        return _ExactBuilder(target, profile, grid, band, self.epsilon, power)
 
 
 class _ExactBuilder(FacetBuilder):
@@ -67,14 +73,14 @@ class _ExactBuilder(FacetBuilder):
         grid: ImageGrid,
         band: UvRange,
         epsilon: float,
-        previous: Facet | None,
+        power: Float[Array, " cell"] | None,
     ) -> None:
         self._galaxy, self._profile = target.galaxy, profile
         self._l, self._m = float(target.galaxy.l[0]), float(target.galaxy.m[0])
         self._band, self._grid, self._epsilon = band, grid, epsilon
         self._cutout = np.zeros((grid.size, grid.size))
         # The beam does not depend on any model: one round is enough.
-        self._power = None if previous is None else previous.power
+        self._power = power
         self._beam = np.zeros((grid.size, grid.size))
 
     def add(self, residual: Visibilities, model: Galaxies) -> None:
@@ -90,7 +96,7 @@ class _ExactBuilder(FacetBuilder):
             uvw, mask = uvw[rows], mask[rows]
         vis = residual.stokes_i[rows].astype(np.complex64)
         shifted = shift_phase_centre(residual.uvw[rows], residual.frequency, vis, self._l, self._m)
-        gain = _spectral_gain(self._galaxy, residual.frequency)
+        gain = spectral_gain(self._galaxy, residual.frequency)
         weights = residual.weights[rows]
         self._cutout += self._image(uvw, residual.frequency, shifted, weights * gain, mask)
         if self._power is None:
@@ -138,10 +144,6 @@ class _ExactBuilder(FacetBuilder):
         return Facet(uv, correlation, power)
 
 
-def _spectral_gain(galaxy: Galaxies, frequency: Float[Array, " chan"]) -> Float[Array, " chan"]:
-    return (frequency / galaxy.reference_frequency) ** float(galaxy.spectral_index[0])
-
-
 def _transform(image: Float[Array, "l m"]) -> Array:
     """Fourier transform about the image's centre; its unpaired first row and column are left out."""
     paired = image.copy()
@@ -151,7 +153,7 @@ def _transform(image: Float[Array, "l m"]) -> Array:
 
 def _half_plane(
     grid: ImageGrid, uv_max: float
-) -> tuple[Float[Array, "cell 2"], Float[Array, " cell"], Array]:
+) -> tuple[Float[Array, "cell 2"], Float[Array, " cell"], tuple[Array, ...]]:
     """Cells of half the uv plane within ``uv_max``, how often each counts, and where they are kept."""
     u = fft.fftfreq(grid.size, grid.pixel)[:, None]
     v = fft.rfftfreq(grid.size, grid.pixel)[None, :]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Visibilities
+from uvshear.typing import Array, Float
 
 
 @dataclass(frozen=True)
@@ -57,6 +58,14 @@ class FacetMethod(ABC):
 
     @abstractmethod
     def open(
-        self, target: Target, profile: Profile, previous: Facet | None = None
+        self,
+        target: Target,
+        profile: Profile,
+        power: Float[Array, " cell"] | None = None,
     ) -> FacetBuilder:
-        """Begin the facet of one source; what a ``previous`` facet of it knows is not gathered again."""
+        """Begin the facet of one source; its ``power``, where known from before, is not gathered again."""
+
+
+def spectral_gain(galaxy: Galaxies, frequency: Float[Array, " chan"]) -> Float[Array, " chan"]:
+    """Flux density at each frequency over that at the reference frequency, of one source."""
+    return (frequency / galaxy.reference_frequency) ** float(galaxy.spectral_index[0])

@@ -26,13 +26,13 @@ def shift_phase_centre(
     return shifted
 
 
-def baselines_seen_from(
-    uvw: Float[Array, "row 3"], l: float, m: float
-) -> Float[Array, "row 3"]:
+def baselines_seen_from(uvw: Float[Array, "row 3"], l: float, m: float) -> Float[Array, "row 3"]:
     r"""Baselines of the plane tangent at (l, m): u - w l/n, v - w m/n, w.
 
     With x the distance from (l, m) in direction cosines, w (n - 1) = w (n_s - 1) - w (l x_l + m x_m)/n_s
     - w x^2/2 + ...: the second term is a shift of (u, v), 1 per cent at half a degree for SKA-Mid.
     """
     n = 1 + float(n_minus_one(np.array([l]), np.array([m]))[0])
-    return np.column_stack([uvw[:, 0] - uvw[:, 2] * (l / n), uvw[:, 1] - uvw[:, 2] * (m / n), uvw[:, 2]])
+    return np.column_stack(
+        [uvw[:, 0] - uvw[:, 2] * (l / n), uvw[:, 1] - uvw[:, 2] * (m / n), uvw[:, 2]]
+    )

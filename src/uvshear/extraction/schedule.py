@@ -9,7 +9,7 @@ from uvshear.typing import Array, Float, Int
 def fitting_levels(
     lm: Float[Array, "source 2"], flux: Float[Array, " source"], separation: float
 ) -> tuple[Int[Array, " member"], ...]:
-    """Sources by level: each is fitted after all brighter ones within ``separation`` [rad] of it.
+    """Sort sources by level: each comes after all brighter ones within ``separation`` [rad] of it.
 
     Within a level no two are closer than that. Decreasing flux matters between neighbours only, so this
     gives what one long sequence in decreasing flux would give, in as many visits of the visibilities as the
@@ -25,6 +25,4 @@ def fitting_levels(
     for source in order:
         brighter = [j for j in neighbours[source] if rank[j] < rank[source]]
         level[source] = 1 + max((level[j] for j in brighter), default=-1)
-    return tuple(
-        order[level[order] == value] for value in range(int(level.max()) + 1)
-    )
+    return tuple(order[level[order] == value] for value in range(int(level.max()) + 1))

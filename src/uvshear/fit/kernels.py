@@ -5,15 +5,13 @@ Sums run in that dtype over blocks of 256 cells and in float64 from there on.
 
 import math
 
-import numba
-
+from uvshear.compilation import compiled
 from uvshear.predict.kernels import sine_cosine_of_turns
 
-OPTIONS = {"fastmath": True, "error_model": "numpy", "cache": True, "nogil": True}
 BLOCK = 256
 
 
-@numba.njit(**OPTIONS)
+@compiled
 def quadratic(x, y, form, q):  # type: ignore[no-untyped-def]
     """Write form[0] x^2 + form[1] x y + form[2] y^2 into q."""
     a, b, c = form.astype(q.dtype)
@@ -21,7 +19,7 @@ def quadratic(x, y, form, q):  # type: ignore[no-untyped-def]
         q[i] = a * x[i] * x[i] + b * x[i] * y[i] + c * y[i] * y[i]
 
 
-@numba.njit(**OPTIONS)
+@compiled
 def quadratics(x, y, forms, q):  # type: ignore[no-untyped-def]
     """Write the quadratic form of each template (row) into q (template, cell)."""
     for t in range(len(forms)):
@@ -30,7 +28,7 @@ def quadratics(x, y, forms, q):  # type: ignore[no-untyped-def]
             q[t, i] = a * x[i] * x[i] + b * x[i] * y[i] + c * y[i] * y[i]
 
 
-@numba.njit(**OPTIONS)
+@compiled
 def add_norms(envelopes, power, norms):  # type: ignore[no-untyped-def]
     """Add <m, m> of each template over these cells to ``norms``."""
     for t in range(len(envelopes)):
@@ -40,7 +38,7 @@ def add_norms(envelopes, power, norms):  # type: ignore[no-untyped-def]
         norms[t] += partial
 
 
-@numba.njit(**OPTIONS)
+@compiled
 def normal_sums(  # type: ignore[no-untyped-def]
     envelope, slope, x, y, forms, real, imaginary, power, sums
 ):
@@ -107,7 +105,7 @@ def normal_sums(  # type: ignore[no-untyped-def]
         sums[18] += cyy
 
 
-@numba.njit(**OPTIONS)
+@compiled
 def displace(x, y, shift_x, shift_y, real, imaginary, new_real, new_imaginary):  # type: ignore[no-untyped-def]
     """Multiply by exp(-i (x shift_x + y shift_y)): what stood at the shift stands at the centre."""
     a, b = shift_x / (2 * math.pi), shift_y / (2 * math.pi)

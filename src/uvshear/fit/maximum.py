@@ -195,7 +195,10 @@ def _form_derivatives(
     """d(form)/d(e1, e2, ln alpha); the form's coefficients are smooth in e, and a step of 1e-6 leaves 1e-9."""
     step = 1e-6
     rows = [
-        (correlator.form(ellipticity + d, log_scale_length) - correlator.form(ellipticity - d, log_scale_length))
+        (
+            correlator.form(ellipticity + d, log_scale_length)
+            - correlator.form(ellipticity - d, log_scale_length)
+        )
         / (2 * step)
         for d in (step, 1j * step)
     ]
@@ -204,7 +207,11 @@ def _form_derivatives(
 
 def _inside(ellipticity: complex) -> complex:
     modulus = abs(ellipticity)
-    return ellipticity if modulus <= LARGEST_ELLIPTICITY else ellipticity * LARGEST_ELLIPTICITY / modulus
+    return (
+        ellipticity
+        if modulus <= LARGEST_ELLIPTICITY
+        else ellipticity * LARGEST_ELLIPTICITY / modulus
+    )
 
 
 def _shortened(step: Float[Array, " 2"], longest: float) -> Float[Array, " 2"]:
@@ -223,4 +230,3 @@ def log_scale_length_given_shape(best: BestFit) -> tuple[Float[Array, " 2"], flo
     slope = np.linalg.solve(covariance[1:3, 1:3], covariance[1:3, 3])
     variance = covariance[3, 3] - slope @ covariance[1:3, 3]
     return slope, math.sqrt(max(variance, 1e-12))
-

@@ -42,7 +42,10 @@ class PositionQuadrature:
     """Gauss-Hermite nodes over the position, wider by a fifth than the Fisher covariance of the best fit."""
 
     def __init__(
-        self, correlator: Correlator, nodes: Float[Array, "node 2"], log_weights: Float[Array, " node"]
+        self,
+        correlator: Correlator,
+        nodes: Float[Array, "node 2"],
+        log_weights: Float[Array, " node"],
     ) -> None:
         self._correlator, self._nodes, self._log_weights = correlator, nodes, log_weights
         self._displaced = correlator.displaced_to(nodes)
@@ -79,4 +82,3 @@ class PositionQuadrature:
             offset=offset,
             offset_covariance=np.einsum("sn,sni,snj->sij", share, away, away),
         )
-

@@ -112,7 +112,9 @@ class _Lattice:
         weight = np.tile(np.log(_SIZE_WEIGHTS) + _SIZE_NODES**2, len(points))
         marginal = self._position.marginalise(e, sizes)
         deviation = (sizes - self._prior.log_scale_length) / self._prior.log_scale_length_sigma
-        log_density = marginal.log_likelihood - 0.5 * deviation**2 + self._prior.ellipticity.log_density(e)
+        log_density = (
+            marginal.log_likelihood - 0.5 * deviation**2 + self._prior.ellipticity.log_density(e)
+        )
         return e, sizes, log_density + weight, marginal
 
 

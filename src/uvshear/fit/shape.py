@@ -13,7 +13,6 @@ from uvshear.galaxy import Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.typing import Array, Float
 
-
 FLOAT32_SNR = 300.0
 """Signal-to-noise ratio above which single precision does not carry differences of log L."""
 

@@ -16,9 +16,10 @@ from uvshear.galaxy.flux import PowerLawFlux
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.gaussian import Gaussian
 from uvshear.galaxy.profile import Profile
-from uvshear.galaxy.size import SizeFluxRelation, SizePrior
+from uvshear.galaxy.size import CatalogueSize, SizeFluxRelation, SizeModel, SizePrior
 
 __all__ = [
+    "CatalogueSize",
     "DiscEllipticityPrior",
     "EllipticityPrior",
     "Exponential",
@@ -28,5 +29,6 @@ __all__ = [
     "PowerLawFlux",
     "Profile",
     "SizeFluxRelation",
+    "SizeModel",
     "SizePrior",
 ]

@@ -4,14 +4,12 @@ Constants are cast to the dtype of q, for a Python number would make float32 ari
 """
 
 import numpy as np
-from numba import njit
 
+from uvshear.compilation import compiled
 from uvshear.typing import Array
 
-_elementwise = njit(fastmath=True, error_model="numpy", cache=True, nogil=True)
 
-
-@_elementwise
+@compiled
 def exponential_envelope(q: Array) -> Array:
     """(1+q)^(-3/2)."""
     one = q.dtype.type(1)
@@ -22,7 +20,7 @@ def exponential_envelope(q: Array) -> Array:
     return out
 
 
-@_elementwise
+@compiled
 def exponential_slope(q: Array) -> Array:
     """-3/2 (1+q)^(-5/2)."""
     one, factor = q.dtype.type(1), q.dtype.type(-1.5)
@@ -33,7 +31,7 @@ def exponential_slope(q: Array) -> Array:
     return out
 
 
-@_elementwise
+@compiled
 def gaussian_envelope(q: Array) -> Array:
     """exp(-q/2)."""
     half = q.dtype.type(-0.5)
@@ -43,7 +41,7 @@ def gaussian_envelope(q: Array) -> Array:
     return out
 
 
-@_elementwise
+@compiled
 def gaussian_slope(q: Array) -> Array:
     """-1/2 exp(-q/2)."""
     half = q.dtype.type(-0.5)

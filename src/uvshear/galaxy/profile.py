@@ -23,7 +23,7 @@ class Profile(ABC):
         """Fourier transform at ``q`` >= 0; 1 at 0, of the dtype of ``q``."""
 
     def envelope_slope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
-        """Derivative of the envelope with respect to q; by central differences unless overridden."""
+        """Return the envelope's derivative with respect to q; central differences unless overridden."""
         step = 1e-4 * (1 + q)
         ahead, behind = q + step, np.maximum(q - step, 0)
         return (self.envelope(ahead) - self.envelope(behind)) / (ahead - behind)

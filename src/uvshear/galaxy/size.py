@@ -1,12 +1,14 @@
 """How large galaxies are: lognormal about a median that grows with the flux."""
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
 from uvshear.constants import ARCSEC, MICROJANSKY
+from uvshear.errors import InputError
 from uvshear.typing import Array, Float
 
 
@@ -47,8 +49,39 @@ class SizePrior:
         return np.exp(self.log_median + self.sigma * rng.standard_normal(len(self)))
 
 
+class SizeModel(ABC):
+    """Where the prior on the scale length comes from."""
+
+    @abstractmethod
+    def prior(
+        self,
+        flux: Float[Array, " source"],
+        scale_length: Float[Array, " source"] | None = None,
+    ) -> SizePrior:
+        """Prior of each source, given its flux at 1.4 GHz [Jy] and its size in the catalogue [rad]."""
+
+
 @dataclass(frozen=True)
-class SizeFluxRelation:
+class CatalogueSize(SizeModel):
+    """Lognormal about the catalogue's own scale length, with a common scatter ``sigma`` of its logarithm."""
+
+    sigma: float = 0.3136
+
+    def prior(
+        self,
+        flux: Float[Array, " source"],
+        scale_length: Float[Array, " source"] | None = None,
+    ) -> SizePrior:
+        """Prior of each source's scale length about the catalogue's."""
+        if scale_length is None:
+            raise InputError(
+                "the catalogue has no column 'scale_length' to take the size prior from"
+            )
+        return SizePrior(np.log(scale_length), np.full(flux.shape, self.sigma))
+
+
+@dataclass(frozen=True)
+class SizeFluxRelation(SizeModel):
     r"""Median scale length against flux density at 1.4 GHz, with lognormal scatter.
 
     .. math:: \ln[\alpha_\mathrm{med} / \mathrm{arcsec}] = -0.93 + 0.33 \ln[S / \mu\mathrm{Jy}]
@@ -78,8 +111,12 @@ class SizeFluxRelation:
         """Median scale length at a flux [Jy], in radians."""
         return np.exp(self.log_median(flux))
 
-    def prior(self, flux: Float[Array, " source"]) -> SizePrior:
-        """Prior of each source's scale length at its flux [Jy]."""
+    def prior(
+        self,
+        flux: Float[Array, " source"],
+        scale_length: Float[Array, " source"] | None = None,
+    ) -> SizePrior:
+        """Prior of each source's scale length at its flux [Jy], whatever size the catalogue has."""
         return SizePrior(self.log_median(flux), np.full(flux.shape, self.sigma))
 
     def draw(

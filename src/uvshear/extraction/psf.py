@@ -1,0 +1,79 @@
+"""The point spread function of an observation at its phase centre."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.errors import InputError
+from uvshear.extraction.facets import UvRange
+from uvshear.imaging import ImageGrid, dirty_image
+from uvshear.interferometer.visibilities import Observation
+from uvshear.typing import Array, Float
+
+EVERYTHING = UvRange()
+
+
+def point_spread_function(
+    observation: Observation,
+    grid: ImageGrid,
+    uv_range: UvRange = EVERYTHING,
+    *,
+    threads: int = 1,
+) -> Float[Array, "l m"]:
+    r"""Natural-weight beam of the baselines in a uv range, 1 at its centre.
+
+    .. math:: P(l, m) = \sum_k w_k \cos 2\pi (u_k l + v_k m + w_k (n - 1)) / \sum_k w_k
+    """
+    image = np.zeros((grid.size, grid.size))
+    total = 0.0
+    for chunk in observation.chunks():
+        weights = chunk.weights
+        if not uv_range.is_everything:
+            length = chunk.uv_distance
+            weights = weights * ((length >= uv_range.minimum) & (length <= uv_range.maximum))
+        unit = np.ones(weights.shape, np.result_type(weights.dtype, np.complex64))
+        image += dirty_image(chunk.uvw, chunk.frequency, unit, weights, grid, threads=threads)
+        total += float(weights.sum(dtype=float))
+    if total == 0:
+        raise InputError(
+            f"no visibility between {uv_range.minimum:g} and {uv_range.maximum:g} wavelengths"
+            " carries weight; a wider uv range is needed"
+        )
+    return image / total
+
+
+@dataclass(frozen=True)
+class CoverageSample:
+    """Baselines for a picture: all, or some spread over the observation.
+
+    Parameters
+    ----------
+    uvw
+        [m].
+    frequency
+        Channel centres met [Hz].
+    rows
+        How many there are in all.
+    """
+
+    uvw: Float[Array, "row 3"]
+    frequency: Float[Array, " chan"]
+    rows: int
+
+
+def sample_coverage(observation: Observation, most: int = 1_000_000) -> CoverageSample:
+    """Read the baselines that carry weight; where there are more than ``most``, some at random."""
+    kept, keys = np.empty((0, 3)), np.empty(0)
+    frequencies: set[float] = set()
+    rows, part = 0, 1.0
+    rng = np.random.default_rng(0)  # a regular stride would meet the same baselines again and again
+    for chunk in observation.chunks():
+        uvw = chunk.uvw[np.any(chunk.weights > 0, axis=1)]
+        frequencies.update(chunk.frequency.tolist())
+        rows += len(uvw)
+        kept = np.concatenate([kept, uvw])
+        keys = np.concatenate([keys, rng.uniform(size=len(uvw))])
+        if len(kept) > most:
+            part = min(part, most / rows)
+            kept, keys = kept[keys < part], keys[keys < part]
+    return CoverageSample(kept, np.array(sorted(frequencies)), rows)
