@@ -280,3 +280,15 @@ def test_selecting_keeps_what_is_absent_absent() -> None:
     assert chosen.identifier.tolist() == [9, 7]
     assert chosen.scale_length is None
     assert chosen.l is None
+
+
+@pytest.mark.parametrize("suffix", [".ecsv", ".fits"])
+def test_the_centre_of_a_simulated_field_is_kept(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"cat{suffix}"
+    one = np.zeros(1)
+    galaxies = Galaxies(one, one, one + 1e-5, one, one.astype(complex), one)
+    write_catalogue(path, catalogue_from_galaxies(galaxies, CENTRE))
+    centre = read_catalogue(path).field_centre
+    assert centre is not None
+    assert centre.ra == pytest.approx(CENTRE.ra, abs=1e-15)
+    assert centre.dec == pytest.approx(CENTRE.dec, abs=1e-15)

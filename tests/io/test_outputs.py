@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from uvshear.errors import InputError
-from uvshear.io.outputs import check_output, new_file, new_measurement_set, write_json
+from uvshear.io.outputs import check_output, new_file, write_json
 
 
 def _begin_and_stop(
@@ -76,32 +76,6 @@ def test_a_directory_is_never_replaced_by_a_file(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is a directory"), new_file(keep, overwrite=True):
         pass
     assert keep.is_dir()
-
-
-def test_only_a_measurement_set_is_replaced_by_a_measurement_set(tmp_path: Path) -> None:
-    keep = tmp_path / "photos"
-    keep.mkdir()
-    (keep / "cat.jpg").write_text("")
-    with (
-        pytest.raises(InputError, match="not a Measurement Set"),
-        new_measurement_set(keep, overwrite=True),
-    ):
-        pass
-    assert (keep / "cat.jpg").exists()
-
-
-def test_a_measurement_set_is_replaced_whole(tmp_path: Path) -> None:
-    path = tmp_path / "field.ms"
-    path.mkdir()
-    (path / "table.dat").write_text("old")
-    with pytest.raises(KeyboardInterrupt):
-        _begin_and_stop(new_measurement_set(path, overwrite=True), KeyboardInterrupt)
-    assert (path / "table.dat").read_text() == "old"
-    with new_measurement_set(path, overwrite=True) as temporary:
-        temporary.mkdir()
-        (temporary / "table.dat").write_text("new")
-    assert (path / "table.dat").read_text() == "new"
-    assert [p.name for p in tmp_path.iterdir()] == ["field.ms"]
 
 
 def test_json_holds_no_nan(tmp_path: Path) -> None:

@@ -44,6 +44,8 @@ class Catalogue:
         e1 + i e2 in the (l, m) frame, of simulated catalogues; never used to measure.
     reference_frequency
         [Hz].
+    field_centre
+        Direction of l = m = 0 of a simulated catalogue, where it was given.
     """
 
     identifier: Shaped[Array, " source"]
@@ -56,6 +58,7 @@ class Catalogue:
     scale_length: Float[Array, " source"] | None = None
     ellipticity: Complex[Array, " source"] | None = None
     reference_frequency: float = REFERENCE_FREQUENCY
+    field_centre: PhaseCentre | None = None
 
     def __len__(self) -> int:
         return len(self.flux)
@@ -65,7 +68,7 @@ class Catalogue:
         chosen: dict[str, Any] = {
             name: None if (values := getattr(self, name)) is None else values[index]
             for name in self.__dataclass_fields__
-            if name != "reference_frequency"
+            if name not in {"reference_frequency", "field_centre"}
         }
         return replace(self, **chosen)
 
@@ -167,6 +170,7 @@ def catalogue_from_table(
         scale_length=scale_length,
         ellipticity=ellipticity,
         reference_frequency=common,
+        field_centre=_field_centre(columns),
         **position,
     )
 
@@ -199,6 +203,14 @@ def _positions(columns: Columns) -> dict[str, Float[Array, " source"]]:
     )
 
 
+def _field_centre(columns: Columns) -> PhaseCentre | None:
+    metadata = columns.metadata
+    try:
+        return PhaseCentre(math.radians(metadata["ra0_deg"]), math.radians(metadata["dec0_deg"]))
+    except (KeyError, TypeError):
+        return None
+
+
 def _frequencies(columns: Columns, option: float | None) -> Float[Array, " source"]:
     """Frequency of each flux: the option, else the column, else the metadata, else 1.4 GHz."""
     frequency = np.full(len(columns.identifier), REFERENCE_FREQUENCY)
@@ -207,7 +219,7 @@ def _frequencies(columns: Columns, option: float | None) -> Float[Array, " sourc
     elif columns.has("reference_frequency"):
         frequency = columns.number("reference_frequency", units.Hz, assumed=units.Hz)
     else:
-        metadata = {str(key).lower(): value for key, value in columns.table.meta.items()}
+        metadata = columns.metadata
         stated = [metadata[key] for key in REFERENCE_FREQUENCY_KEYS if key in metadata]
         if stated:
             try:
@@ -244,6 +256,7 @@ def catalogue_from_galaxies(
         scale_length=galaxies.scale_length,
         ellipticity=galaxies.ellipticity,
         reference_frequency=galaxies.reference_frequency,
+        field_centre=phase_centre,
         **position,
     )
 
@@ -277,6 +290,9 @@ def catalogue_table(catalogue: Catalogue, provenance: Provenance | None = None) 
         add("e1", catalogue.ellipticity.real, None, frame)
         add("e2", catalogue.ellipticity.imag, None, frame)
     table.meta["reference_frequency"] = f"{catalogue.reference_frequency:.17g} Hz"
+    if catalogue.field_centre is not None:
+        table.meta["ra0_deg"] = math.degrees(catalogue.field_centre.ra)
+        table.meta["dec0_deg"] = math.degrees(catalogue.field_centre.dec)
     if provenance is not None:
         table.meta.update(provenance.metadata())
     return table

@@ -1,6 +1,7 @@
 """Columns of a user's table, in SI, with errors that say which column and which row."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from astropy import units
@@ -33,6 +34,11 @@ class Columns:
                 ours: theirs for theirs, ours in PYBDSF_COLUMNS.items() if theirs in self.names
             }
         self.identifier = self._identifiers()
+
+    @property
+    def metadata(self) -> dict[str, Any]:
+        """Metadata of the table by lower-case key; FITS has them in capitals."""
+        return {str(key).lower(): value for key, value in self.table.meta.items()}
 
     def has(self, column: str) -> bool:
         """Tell whether the table has it, under any of its spellings."""

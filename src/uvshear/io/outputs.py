@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,25 +24,14 @@ def check_output(path: Path, *, overwrite: bool) -> None:
         raise InputError(f"{path}: exists already; give --overwrite or another name")
 
 
-def _neighbour(path: Path, word: str) -> Path:
-    """Return a hidden name beside ``path``, with its suffix, which tells writers the format."""
-    return path.with_name(f".{path.stem}.{word}-{os.getpid()}{path.suffix}")
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path, ignore_errors=True)
-    else:
-        path.unlink(missing_ok=True)
-
-
 @contextmanager
 def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     """Yield a temporary name to write to; it becomes ``path`` when the block ends well."""
     check_output(path, overwrite=overwrite)
     if path.is_dir():
         raise InputError(f"{path}: is a directory, where a file is to be written; give a file name")
-    temporary = _neighbour(path, "partial")
+    # hidden, with the suffix that tells writers the format
+    temporary = path.with_name(f".{path.stem}.partial-{os.getpid()}{path.suffix}")
     try:
         temporary.touch()  # an unwritable place is found now, not after the computation
         temporary.unlink()
@@ -52,33 +40,7 @@ def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
     finally:
-        _remove(temporary)
-
-
-@contextmanager
-def new_measurement_set(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Do as :func:`new_file` for a directory; only a casacore table is ever replaced by one."""
-    check_output(path, overwrite=overwrite)
-    if os.path.lexists(path) and not (path / "table.dat").is_file():
-        raise InputError(
-            f"{path}: is not a Measurement Set, and is not replaced by one; give another name"
-        )
-    temporary, former = _neighbour(path, "partial"), _neighbour(path, "former")
-    try:
-        yield temporary
-        if path.exists():
-            path.rename(former)
-        try:
-            temporary.rename(path)
-        except OSError:
-            if former.exists():
-                former.rename(path)
-            raise
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        _remove(temporary)
-        _remove(former)
+        temporary.unlink(missing_ok=True)
 
 
 def write_json(path: Path, values: Mapping[str, object], *, overwrite: bool = False) -> None:
