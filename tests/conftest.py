@@ -6,7 +6,7 @@ from pathlib import Path
 
 import jaxtyping
 
-from tests.runtime_types import beartype_without_self
+from tests.runtime_types import beartype_what_is_knowable
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 
@@ -28,5 +28,5 @@ def _leaf_modules() -> list[str]:
 
 
 jaxtyping.install_import_hook(
-    _leaf_modules(), f"{beartype_without_self.__module__}.{beartype_without_self.__name__}"
+    _leaf_modules(), f"{beartype_what_is_knowable.__module__}.{beartype_what_is_knowable.__name__}"
 )

@@ -1,15 +1,20 @@
-"""beartype for jaxtyping's import hook, which decorates methods singly and cannot know ``Self``."""
+"""beartype for jaxtyping's import hook, as far as annotations tell the truth at run time."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
-from beartype import beartype
+from beartype import BeartypeConf, beartype
+
+UNKNOWABLE: Final = ("typing.Self", "typer.models.Context")
+"""Not known to a method on its own; not what typer hands over (its own copy)."""
+
+INT_SERVES_AS_FLOAT: Final = BeartypeConf(is_pep484_tower=True)
 
 
-def beartype_without_self(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Check every annotation but those that name ``typing.Self``."""
+def beartype_what_is_knowable(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Check every annotation but those that name something unknowable."""
     function.__annotations__ = {
-        name: Any if "typing.Self" in str(hint) else hint
+        name: Any if any(word in str(hint) for word in UNKNOWABLE) else hint
         for name, hint in function.__annotations__.items()
     }
-    return beartype(function)
+    return beartype(function, conf=INT_SERVES_AS_FLOAT)
