@@ -1,0 +1,92 @@
+"""Ellipticity and size of a point spread function, from its quadrupole moments."""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from uvshear.constants import ARCSEC
+from uvshear.errors import InputError
+from uvshear.typing import Array, Float
+
+WEIGHT_SIGMA: Final = 3 * ARCSEC
+"""Width of the weight that reproduces the sizes R of Rivi & Miller 2018, section 5 [rad]."""
+
+MOST_ROUNDS: Final = 500
+
+
+@dataclass(frozen=True)
+class PsfShape:
+    """Shape of a point spread function.
+
+    Parameters
+    ----------
+    ellipticity
+        e1 + i e2, |e| = (a-b)/(a+b), in the (l, m) frame.
+    size
+        R = Q_ll + Q_mm [rad^2].
+    weight_sigma
+        Of the Gaussian weight, det(covariance)^(1/4) [rad].
+    """
+
+    ellipticity: complex
+    size: float
+    weight_sigma: float
+
+
+def measure_psf(
+    image: Float[Array, "l m"], pixel: float, weight_sigma: float = WEIGHT_SIGMA
+) -> PsfShape:
+    r"""Shape from quadrupole moments under a Gaussian weight of the PSF's own ellipticity.
+
+    .. math::
+        Q_{ij} &= \frac{\sum I W x_i x_j}{\sum I W},\quad
+        W = e^{-x^T C^{-1} x / 2},\quad C = \sigma^2 Q / \sqrt{\det Q} \\
+        e &= \frac{Q_{ll} - Q_{mm} + 2 i Q_{lm}}{Q_{ll} + Q_{mm} + 2 \sqrt{\det Q}},\quad
+        R = Q_{ll} + Q_{mm}
+
+    Parameters
+    ----------
+    image
+        Centred: ``image[i, j]`` at l = (i - size/2) pixel, m = (j - size/2) pixel.
+    pixel
+        [rad].
+    weight_sigma
+        sigma [rad].
+
+    References
+    ----------
+    Rivi & Miller 2018, section 5 (unnumbered), after Schneider 2006; the adaptive weight,
+    Bernstein & Jarvis 2002, AJ 123, 583, section 3.
+
+    Notes
+    -----
+    The weight's area is fixed: that of an interferometer's natural PSF does not converge, as its
+    plateau is wider than any weight.
+    """
+    offset = (np.arange(len(image)) - len(image) // 2) * pixel
+    l, m = offset[:, None], offset[None, :]
+    covariance = np.eye(2) * weight_sigma**2
+    for _ in range(MOST_ROUNDS):
+        inverse = np.linalg.inv(covariance)
+        exponent = inverse[0, 0] * l**2 + 2 * inverse[0, 1] * l * m + inverse[1, 1] * m**2
+        weighted = image * np.exp(-exponent / 2)
+        mass = float(weighted.sum())
+        q_ll = float((weighted * l**2).sum()) / mass
+        q_mm = float((weighted * m**2).sum()) / mass
+        q_lm = float((weighted * l * m).sum()) / mass
+        determinant = q_ll * q_mm - q_lm**2
+        if not (mass > 0 and q_ll > 0 and determinant > 0):
+            raise InputError(
+                f"the PSF has no second moments under a weight of {weight_sigma / ARCSEC:g} arcsec;"
+                " give a narrower weight"
+            )
+        root = math.sqrt(determinant)
+        adapted = weight_sigma**2 / root * np.array([[q_ll, q_lm], [q_lm, q_mm]])
+        change = float(np.max(np.abs(adapted - covariance))) / weight_sigma**2
+        covariance = adapted
+        if change < 1e-7:
+            break
+    ellipticity = (q_ll - q_mm + 2j * q_lm) / (q_ll + q_mm + 2 * root)
+    return PsfShape(ellipticity, q_ll + q_mm, weight_sigma)
