@@ -1,0 +1,48 @@
+"""Several Measurement Sets of one pointing, read as one observation."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from uvshear.constants import ARCSEC
+from uvshear.errors import InputError
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.visibilities import Observation, Visibilities
+from uvshear.io.measurement_set import MeasurementSet
+
+SAME_DIRECTION = 1e-3 * ARCSEC
+"""Phase centres closer than this are one."""
+
+
+@dataclass(frozen=True)
+class JointObservation:
+    """Observations of one phase centre, one after the other."""
+
+    phase_centre: PhaseCentre
+    parts: tuple[Observation, ...]
+
+    def chunks(self) -> Iterator[Visibilities]:
+        """Read every part once."""
+        for part in self.parts:
+            yield from part.chunks()
+
+
+def open_observation(
+    paths: Sequence[Path], column: str = "DATA", field: int | str | None = None
+) -> Observation:
+    """Open one or more Measurement Sets of the same phase centre."""
+    if not paths:
+        raise InputError("no Measurement Set is given; one or more are needed")
+    parts = tuple(MeasurementSet(path, column=column, field=field) for path in paths)
+    first = parts[0].phase_centre
+    for path, part in zip(paths[1:], parts[1:], strict=True):
+        other = part.phase_centre
+        turn = math.remainder(other.ra - first.ra, 2 * math.pi) * math.cos(first.dec)
+        distance = math.hypot(turn, other.dec - first.dec)
+        if distance > SAME_DIRECTION:
+            raise InputError(
+                f"{path}: its phase centre is {distance / ARCSEC:.3g} arcsec from {paths[0]}'s;"
+                " what is measured together shares it"
+            )
+    return parts[0] if len(parts) == 1 else JointObservation(first, parts)
