@@ -1,0 +1,97 @@
+"""The application: its commands, and the one line that a wrong call ends with."""
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import Annotated, Final
+
+import typer
+
+from uvshear import __version__
+from uvshear.cli import catalogue, demo, layouts, measure, psf, shear, simulate
+from uvshear.errors import InputError
+
+WRONG_INPUT: Final = 2
+INTERRUPTED: Final = 130
+
+_ClickException: Final = typer.BadParameter.__mro__[2]
+"""Root of the errors in options; typer carries its own copy of click in some versions."""
+
+app = typer.Typer(
+    name="uvshear",
+    help="Weak-lensing galaxy shapes and shear, measured from radio visibilities.",
+    epilog="Example: uvshear demo",
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    add_completion=False,
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+for module in (layouts, catalogue, simulate, measure, shear, psf, demo):
+    module.register(app)
+
+
+def _show_version(wanted: bool) -> bool:
+    if wanted:
+        typer.echo(f"uvshear {__version__}")
+        raise typer.Exit
+    return wanted
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_show_version, is_eager=True, help="Show the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Weak-lensing galaxy shapes and shear, measured from radio visibilities."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit: 0 done, 2 a wrong input in one line, 130 interrupted."""
+    sys.exit(run(arguments))
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return the exit status."""
+    try:
+        status = app(args=arguments, prog_name="uvshear", standalone_mode=False)
+    except (KeyboardInterrupt, typer.Abort):
+        status = INTERRUPTED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 1
+    except Exception as error:
+        if (message := _explain(error)) is None:
+            raise  # a bug: its traceback is what we need
+        typer.echo(message, err=True)
+        status = WRONG_INPUT
+    if status == INTERRUPTED:
+        typer.echo("uvshear: interrupted; unfinished outputs are removed", err=True)
+    return status if isinstance(status, int) else 0
+
+
+def _explain(error: Exception) -> str | None:
+    """Return the line for a wrong input, None for what is our mistake."""
+    if type(error).__name__ == "NoArgsIsHelpError":
+        return str(error)
+    if isinstance(error, _ClickException):
+        message = _with_the_command(error)
+    elif isinstance(error, InputError):
+        message = str(error)
+    elif isinstance(error, OSError):
+        message = str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
+    else:
+        return None
+    return f"uvshear: error: {' '.join(message.split())}"
+
+
+def _with_the_command(error: Exception) -> str:
+    """Message of an error in the options, and where help is."""
+    context = getattr(error, "ctx", None)
+    command = "uvshear" if context is None else context.command_path
+    message = error.format_message().rstrip(".")  # type: ignore[attr-defined]
+    return f"{message}; see {command} --help"

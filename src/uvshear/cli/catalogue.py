@@ -1,0 +1,121 @@
+"""``uvshear catalogue``: draw a simulated population of galaxies."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+import math
+from typing import Annotated
+
+import typer
+
+from uvshear.cli.options import (
+    Output,
+    Overwrite,
+    Pair,
+    Seed,
+    declination,
+    finite,
+    positive,
+    positive_range,
+    provenance,
+)
+from uvshear.cli.terminal import say
+from uvshear.errors import InputError
+
+EPILOG = (
+    "Example: uvshear catalogue --field-arcmin 6 --density 2.8 --flux-ujy 10 200 --seed 1 "
+    "-o CAT.fits"
+)
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("catalogue", epilog=EPILOG)(catalogue)
+
+
+def catalogue(
+    context: typer.Context,
+    field_arcmin: Annotated[
+        float,
+        typer.Option(callback=positive, help="Side of the square, or diameter of the disc."),
+    ],
+    output: Output,
+    density: Annotated[
+        float | None, typer.Option(callback=positive, help="Galaxies per square arcminute.")
+    ] = None,
+    count: Annotated[
+        int | None, typer.Option(callback=positive, help="Galaxies in all, instead of a density.")
+    ] = None,
+    flux_ujy: Annotated[
+        Pair,
+        typer.Option(callback=positive_range, metavar="LO HI", help="Limits of the flux [uJy]."),
+    ] = (10.0, 200.0),
+    ring: Annotated[
+        int,
+        typer.Option(
+            callback=positive,
+            help="Galaxies that share flux, size and |e|, equally spaced in angle.",
+        ),
+    ] = 1,
+    seed: Seed = 1,
+    disc: Annotated[bool, typer.Option("--disc", help="A disc instead of a square.")] = False,
+    declination_deg: Annotated[
+        float | None,
+        typer.Option(callback=declination, help="Centre of the field: then (ra, dec) are written."),
+    ] = None,
+    ra_deg: Annotated[
+        float | None, typer.Option(callback=finite, help="Centre of the field [0].")
+    ] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """Draw galaxies as a survey would find them (Rivi & Miller 2018, section 3).
+
+    Without a centre their positions are (l, m), for any pointing. A known e1, e2 is never used to
+    measure.
+    """
+    import numpy as np
+
+    from uvshear.constants import ARCMIN, MICROJANSKY
+    from uvshear.galaxy.flux import PowerLawFlux
+    from uvshear.geometry.directions import PhaseCentre
+    from uvshear.io.catalogue import catalogue_from_galaxies, write_catalogue
+    from uvshear.io.outputs import check_output
+    from uvshear.io.tables import check_table_name
+    from uvshear.simulate.field import DiscField, SquareField
+    from uvshear.simulate.population import Population, draw_population, expected_number
+
+    check_table_name(output)
+    check_output(output, overwrite=overwrite)
+    if (density is None) == (count is None):
+        raise InputError("--density or --count: give one of the two")
+    if ra_deg is not None and declination_deg is None:
+        raise InputError("--ra-deg: a centre needs --declination-deg too")
+    size = field_arcmin * ARCMIN
+    if size >= 1:
+        raise InputError(f"--field-arcmin {field_arcmin:g}: a field below 3437 arcmin is needed")
+    sky = DiscField(size / 2) if disc else SquareField(size)
+    if count is not None:
+        number = count
+    else:
+        assert density is not None
+        number = expected_number(sky, density / ARCMIN**2, ring=ring)
+    if number == 0:
+        raise InputError(
+            f"--density {density:g}: less than half a ring of {ring} in the field;"
+            " a higher density or a larger field is needed"
+        )
+    if number % ring:
+        raise InputError(f"--count {number}: whole rings of {ring} are needed")
+    population = Population(
+        flux=PowerLawFlux(minimum=flux_ujy[0] * MICROJANSKY, maximum=flux_ujy[1] * MICROJANSKY),
+        ring=ring,
+    )
+    galaxies = draw_population(population, sky, number=number, rng=np.random.default_rng(seed))
+    centre = None
+    if declination_deg is not None:
+        centre = PhaseCentre(math.radians(ra_deg or 0.0), math.radians(declination_deg))
+    write_catalogue(
+        output,
+        catalogue_from_galaxies(galaxies, centre),
+        provenance(context),
+        overwrite=overwrite,
+    )
+    say(f"{output}: {number} galaxies")

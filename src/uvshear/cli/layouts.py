@@ -1,0 +1,68 @@
+"""``uvshear layouts``: the known arrays, or one with a map."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+import textwrap
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uvshear.cli.options import Overwrite
+from uvshear.cli.terminal import say, show_table
+
+EPILOG = "Example: uvshear layouts ska-mid-aa4 -o ska.png"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("layouts", epilog=EPILOG)(layouts)
+
+
+def layouts(
+    name: Annotated[
+        str | None, typer.Argument(help="A known array, or a file of antenna positions.")
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", help="Map to draw; by default NAME-layout.png."),
+    ] = None,
+    overwrite: Overwrite = False,
+) -> None:
+    """List the known arrays, or show one and draw its map."""
+    import numpy as np
+    from scipy.spatial import ConvexHull
+    from scipy.spatial.distance import pdist
+
+    from uvshear.interferometer.layout import ArrayLayout, known_layouts, load_layout
+    from uvshear.io.outputs import check_output
+
+    def describe(layout: ArrayLayout) -> tuple[str, ...]:
+        # the longest baseline joins two corners of the convex hull; few antennas are compared whole
+        positions = layout.positions
+        if len(positions) > 1000:
+            positions = positions[ConvexHull(positions).vertices]
+        baselines = pdist(positions)
+        diameters = np.unique(layout.diameters[np.isfinite(layout.diameters)])
+        return (
+            layout.name,
+            str(len(layout)),
+            f"{pdist(positions).min():.1f} m",
+            f"{baselines.max() / 1e3:.3g} km",
+            ", ".join(f"{diameter:g}" for diameter in diameters) + " m" if len(diameters) else "?",
+        )
+
+    columns = ("array", "antennas", "shortest", "longest baseline", "dishes")
+    if name is None:
+        rows = [describe(load_layout(known)) for known in known_layouts()]
+        show_table("Known arrays (any file of ITRF X Y Z [m] works too)", columns, rows)
+        return
+    layout = load_layout(name)
+    picture = Path(f"{layout.name}-layout.png") if output is None else output
+    check_output(picture, overwrite=overwrite)
+    show_table(layout.name, columns, [describe(layout)])
+    say(textwrap.shorten(layout.source, 300, placeholder=" ..."))
+
+    from uvshear.plot import draw_layout, save
+
+    save(draw_layout(layout.positions, layout.name), picture, overwrite=overwrite)
+    say(f"map: {picture}")

@@ -1,0 +1,141 @@
+"""``uvshear measure``: shapes of the galaxies of a catalogue."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uvshear.cli.options import (
+    Output,
+    Overwrite,
+    Threads,
+    non_negative,
+    positive,
+    provenance,
+    thread_count,
+)
+from uvshear.cli.profiles import ProfileName, profile_of
+from uvshear.cli.terminal import progress_bar, say
+from uvshear.errors import InputError
+
+if TYPE_CHECKING:
+    from uvshear.extraction.facets import FacetMethod
+
+EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits -o SHAPES.fits"
+
+
+class FacetName(StrEnum):
+    """How a facet is made."""
+
+    EXACT = "exact"
+    CELL_AVERAGE = "cell-average"
+
+
+class SizePriorName(StrEnum):
+    """Where the prior on the scale length comes from."""
+
+    FLUX = "flux"
+    CATALOGUE = "catalogue"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("measure", epilog=EPILOG)(measure)
+
+
+def measure(
+    context: typer.Context,
+    measurement_sets: Annotated[
+        list[Path], typer.Argument(metavar="FIELD.ms...", help="One pointing, in one set or more.")
+    ],
+    catalogue: Annotated[Path, typer.Option(help="Catalogue of the sources.")],
+    output: Output,
+    uv_min: Annotated[
+        float, typer.Option(callback=non_negative, help="Shortest baseline used [wavelengths].")
+    ] = 0.0,
+    uv_max: Annotated[
+        float | None, typer.Option(callback=positive, help="Longest baseline used [wavelengths].")
+    ] = None,
+    facet: Annotated[
+        FacetName, typer.Option(help="exact, or the paper's averages in uv cells.")
+    ] = FacetName.EXACT,
+    facet_size: Annotated[
+        float | None,
+        typer.Option(callback=positive, help="Field of view of a facet, in scale lengths."),
+    ] = None,
+    column: Annotated[str, typer.Option(help="Column of visibilities.")] = "DATA",
+    field: Annotated[
+        str | None, typer.Option(help="Field (name or number), where a set holds several.")
+    ] = None,
+    size_prior: Annotated[
+        SizePriorName, typer.Option(help="Prior on the size: by the flux, or scale_length.")
+    ] = SizePriorName.FLUX,
+    profile: Annotated[
+        ProfileName, typer.Option(help="Of the galaxies.")
+    ] = ProfileName.EXPONENTIAL,
+    rounds: Annotated[int, typer.Option(callback=positive, help="Passes over the sources.")] = 2,
+    flux_unit: Annotated[
+        str | None, typer.Option(help="Unit of a flux column that has none (CSV).")
+    ] = None,
+    reference_frequency_mhz: Annotated[
+        float | None,
+        typer.Option(callback=positive, help="Of the catalogue's fluxes, whatever it says."),
+    ] = None,
+    threads: Threads = 0,
+    overwrite: Overwrite = False,
+) -> None:
+    """Measure the ellipticity of every source of a catalogue from the visibilities."""
+    if uv_max is not None and uv_min >= uv_max:
+        raise InputError(f"--uv-min {uv_min:g} --uv-max {uv_max:g}: uv-min < uv-max is needed")
+
+    from uvshear.extraction.facets import UvRange
+    from uvshear.galaxy import CatalogueSize, SizeFluxRelation
+    from uvshear.io.catalogue import read_catalogue
+    from uvshear.io.observations import open_observation
+    from uvshear.io.outputs import check_output
+    from uvshear.io.shapes import write_shapes
+    from uvshear.io.tables import check_table_name
+    from uvshear.pipeline import MeasurementOptions
+    from uvshear.pipeline import measure as measure_shapes
+
+    check_table_name(output)
+    check_output(output, overwrite=overwrite)
+    frequency = None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6
+    sources = read_catalogue(catalogue, flux_unit=flux_unit, reference_frequency=frequency)
+    if size_prior is SizePriorName.CATALOGUE and sources.scale_length is None:
+        raise InputError(
+            f"{catalogue}: has no column 'scale_length', which --size-prior catalogue needs"
+        )
+    observation = open_observation(measurement_sets, column, _field(field))
+    options = MeasurementOptions(
+        facet=facet_method(facet, facet_size),
+        profile=profile_of(profile),
+        size=SizeFluxRelation() if size_prior is SizePriorName.FLUX else CatalogueSize(),
+        uv_range=UvRange(uv_min, float("inf") if uv_max is None else uv_max),
+        rounds=rounds,
+        threads=thread_count(threads),
+    )
+    with progress_bar("measuring") as progress:
+        shapes = measure_shapes(observation, sources, options, progress=progress)
+    shapes.meta.update(provenance(context, *measurement_sets, catalogue).metadata())
+    write_shapes(output, shapes, overwrite=overwrite)
+    measured = sum(flag == "ok" for flag in shapes["flag"])
+    say(f"{output}: {measured} of {len(shapes)} sources measured")
+
+
+def facet_method(name: FacetName, scale_lengths: float | None) -> "FacetMethod":
+    """Return the way of making facets, ``scale_lengths`` wide if given."""
+    from uvshear.extraction.cell_average import CellAverageFacets, ScaleLengths
+    from uvshear.extraction.exact import ExactFacets
+
+    if name is FacetName.EXACT:
+        return ExactFacets() if scale_lengths is None else ExactFacets(scale_lengths)
+    if scale_lengths is None:
+        return CellAverageFacets()
+    return CellAverageFacets(ScaleLengths(scale_lengths))
+
+
+def _field(field: str | None) -> int | str | None:
+    return int(field) if field is not None and field.isdecimal() else field

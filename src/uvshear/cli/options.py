@@ -1,0 +1,131 @@
+"""Options that commands share, and the checks of their numbers."""
+
+import math
+import os
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperCommand
+
+from uvshear.io.provenance import Provenance
+
+Pair = tuple[float, float]
+
+NO_PART_OF_THE_RESULT = frozenset({"threads", "overwrite", "output"})
+"""Options that provenance leaves out: the same result comes whatever they are."""
+
+
+def positive(value: float | None) -> float | None:
+    """Check a number above 0."""
+    if value is not None and not 0 < value < math.inf:
+        raise typer.BadParameter(f"{value:g} is not above 0")
+    return value
+
+
+def non_negative(value: float | None) -> float | None:
+    """Check a number of 0 or more."""
+    if value is not None and not 0 <= value < math.inf:
+        raise typer.BadParameter(f"{value:g} is not 0 or more")
+    return value
+
+
+def finite(value: float | None) -> float | None:
+    """Check a number that is neither NaN nor infinite."""
+    if value is not None and not math.isfinite(value):
+        raise typer.BadParameter(f"{value:g} is not a finite number")
+    return value
+
+
+def fraction(value: float | None) -> float | None:
+    """Check a number above 0, up to 1."""
+    if value is not None and not 0 < value <= 1:
+        raise typer.BadParameter(f"{value:g} is not above 0 and up to 1")
+    return value
+
+
+def declination(value: float | None) -> float | None:
+    """Check a declination in degrees."""
+    if value is not None and not -90 <= value <= 90:
+        raise typer.BadParameter(f"{value:g} is not between -90 and 90 degrees")
+    return value
+
+
+def positive_range(value: Pair | None) -> Pair | None:
+    """Check 0 < LO < HI."""
+    if value is not None and not 0 < value[0] < value[1] < math.inf:
+        raise typer.BadParameter(f"{value[0]:g} {value[1]:g} is no range; 0 < LO < HI is needed")
+    return value
+
+
+def positive_pair(value: Pair | None) -> Pair | None:
+    """Check two numbers above 0."""
+    if value is not None and not all(0 < number < math.inf for number in value):
+        raise typer.BadParameter(f"{value[0]:g} {value[1]:g}: both must be above 0")
+    return value
+
+
+def reduced_shear(value: Pair) -> Pair:
+    """Check |g| < 1."""
+    if not math.hypot(*value) < 1:
+        raise typer.BadParameter(f"{value[0]:g} {value[1]:g}: |g| must be below 1")
+    return value
+
+
+def hour_angle_ranges(values: list[str] | None) -> list[str] | None:
+    """Check that each pair joined by :class:`PairsCommand` is a range."""
+    for value in values or ():
+        start, stop = pair_of_numbers(value)
+        if not -math.inf < start < stop < math.inf:
+            raise typer.BadParameter(f"{start:g} {stop:g} is no range; A < B is needed")
+    return values
+
+
+def pair_of_numbers(text: str) -> Pair:
+    """Two numbers joined by a comma."""
+    try:
+        first, second = (float(number) for number in text.split(","))
+    except ValueError:
+        raise typer.BadParameter(f"'{text.replace(',', ' ')}' are not two numbers") from None
+    return first, second
+
+
+class PairsCommand(TyperCommand):
+    """A command whose ``--hour-angles A B`` may be repeated, which typer's options cannot."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Join the two values with a comma before typer sees them."""
+        joined: list[str] = []
+        rest = list(args)
+        while rest:
+            word = rest.pop(0)
+            if word == "--hour-angles":
+                values, rest = rest[:2], rest[2:]
+                word = f"{word}={','.join(values)}"
+            joined.append(word)
+        return super().parse_args(ctx, joined)
+
+
+Seed = Annotated[
+    int, typer.Option("--seed", min=0, help="Seed of the random numbers; the same gives the same.")
+]
+Output = Annotated[Path, typer.Option("-o", "--output", help="File to write.", show_default=False)]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an output that exists.")]
+Threads = Annotated[
+    int, typer.Option("--threads", min=0, help="Threads to compute with; 0 takes all cores.")
+]
+
+
+def thread_count(threads: int) -> int:
+    """Cores that this process may use, for 0."""
+    return threads or len(os.sched_getaffinity(0))
+
+
+def provenance(context: typer.Context, *inputs: Path) -> Provenance:
+    """Tell how an output is made: the command with all its options, and the files it read."""
+    options = {
+        name: str(value) if isinstance(value, Path) else value
+        for name, value in sorted(context.params.items())
+        if name not in NO_PART_OF_THE_RESULT
+    }
+    return Provenance(context.command_path, tuple(str(path) for path in inputs), options)

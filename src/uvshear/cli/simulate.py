@@ -1,0 +1,223 @@
+"""``uvshear simulate``: a catalogue seen by an array, as a Measurement Set."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+import math
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uvshear.cli.options import (
+    Output,
+    Overwrite,
+    Pair,
+    PairsCommand,
+    Seed,
+    Threads,
+    declination,
+    finite,
+    fraction,
+    hour_angle_ranges,
+    non_negative,
+    pair_of_numbers,
+    positive,
+    positive_pair,
+    positive_range,
+    reduced_shear,
+    thread_count,
+)
+from uvshear.cli.profiles import ProfileName, profile_of
+from uvshear.cli.terminal import progress_bar, say
+from uvshear.errors import InputError
+
+if TYPE_CHECKING:
+    from uvshear.geometry.directions import PhaseCentre
+    from uvshear.interferometer.noise import Noise, Sefd
+    from uvshear.io.catalogue import Catalogue
+
+EPILOG = (
+    "Example: uvshear simulate --layout ska-mid-aa4 --catalogue CAT.fits --declination-deg -30 "
+    "--hours 8 --integration-s 60 --band-mhz 950 1190 --channels 1 --snr-at 10 10 --seed 1 "
+    "-o FIELD.ms"
+)
+
+
+class NoiseOn(StrEnum):
+    """What the radiometer equation's sigma belongs to."""
+
+    STOKES_I = "stokes-i"
+    CORRELATION = "correlation"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("simulate", epilog=EPILOG, cls=PairsCommand)(simulate)
+
+
+def simulate(
+    layout: Annotated[
+        str, typer.Option(help="A known array (see uvshear layouts), or a file of positions.")
+    ],
+    catalogue: Annotated[Path, typer.Option(help="Catalogue of galaxies.")],
+    integration_s: Annotated[float, typer.Option(callback=positive, help="Length of a sample.")],
+    band_mhz: Annotated[
+        Pair, typer.Option(callback=positive_range, metavar="LO HI", help="Edges of the band.")
+    ],
+    output: Output,
+    declination_deg: Annotated[
+        float | None,
+        typer.Option(callback=declination, help="Of the phase centre; else the catalogue's."),
+    ] = None,
+    ra_deg: Annotated[
+        float | None,
+        typer.Option(callback=finite, help="Of the phase centre; else the catalogue's, or 0."),
+    ] = None,
+    hours: Annotated[
+        float | None, typer.Option(callback=positive, help="Length of the track, about transit.")
+    ] = None,
+    hour_angles: Annotated[
+        list[str] | None,
+        typer.Option(
+            callback=hour_angle_ranges,
+            metavar="A B",
+            help="Range of the track, in hours from transit; may be repeated.",
+        ),
+    ] = None,
+    channels: Annotated[int, typer.Option(callback=positive, help="Channels in the band.")] = 1,
+    shear: Annotated[
+        Pair, typer.Option(callback=reduced_shear, metavar="G1 G2", help="Reduced shear.")
+    ] = (0.0, 0.0),
+    legacy_shear: Annotated[
+        bool,
+        typer.Option("--legacy-shear", help="Keep alpha under shear, as the paper; no true shear."),
+    ] = False,
+    snr_at: Annotated[
+        Pair | None,
+        typer.Option(
+            callback=positive_pair, metavar="UJY SNR", help="Noise by a point source's SNR."
+        ),
+    ] = None,
+    sefd_jy: Annotated[
+        str | None,
+        typer.Option(help="Noise by the dishes: a number, or DIAMETER:SEFD,DIAMETER:SEFD."),
+    ] = None,
+    efficiency: Annotated[
+        float, typer.Option(callback=fraction, help="Of the system, with --sefd-jy.")
+    ] = 0.9,
+    noise_on: Annotated[
+        NoiseOn, typer.Option(help="What sigma belongs to, with --sefd-jy.")
+    ] = NoiseOn.STOKES_I,
+    no_noise: Annotated[
+        bool, typer.Option("--no-noise", help="No noise; weights as with it.")
+    ] = False,
+    elevation_limit_deg: Annotated[
+        float | None,
+        typer.Option(callback=non_negative, help="Leave out samples below; none by default."),
+    ] = None,
+    profile: Annotated[
+        ProfileName, typer.Option(help="Of all galaxies.")
+    ] = ProfileName.EXPONENTIAL,
+    seed: Seed = 1,
+    threads: Threads = 0,
+    overwrite: Overwrite = False,
+) -> None:
+    """Simulate an observation of a catalogue, exactly, into a Measurement Set."""
+    if (hours is None) == (not hour_angles):
+        raise InputError("--hours or --hour-angles: give one of the two")
+    if snr_at is not None and sefd_jy is not None:
+        raise InputError("--snr-at and --sefd-jy: give one of the two")
+    if snr_at is None and sefd_jy is None and not no_noise:
+        raise InputError("--snr-at, --sefd-jy or --no-noise: give one to say how much noise")
+    sefd = None if sefd_jy is None else parse_sefd(sefd_jy)
+    if hours is not None:
+        ranges: tuple[Pair, ...] = ((-hours / 2 * 3600, hours / 2 * 3600),)
+    else:
+        pairs = [pair_of_numbers(text) for text in hour_angles or ()]
+        ranges = tuple((start * 3600, stop * 3600) for start, stop in pairs)
+
+    from uvshear.constants import MICROJANSKY
+    from uvshear.interferometer.coverage import Track, synthesise
+    from uvshear.interferometer.layout import load_layout
+    from uvshear.interferometer.noise import CorrelationNoise, ScaledNoise, StokesINoise
+    from uvshear.interferometer.spectral_window import Channels
+    from uvshear.io.catalogue import read_catalogue
+    from uvshear.io.measurement_set_writer import write_measurement_set
+    from uvshear.io.outputs import check_output
+    from uvshear.simulate.lensing import shear_at_fixed_scale_length, shear_galaxies
+    from uvshear.simulate.observation import SimulatedObservation
+
+    check_output(output, overwrite=overwrite)
+    sources = read_catalogue(catalogue)
+    antennas = load_layout(layout)
+    centre = phase_centre_of(sources, ra_deg, declination_deg)
+    limit = None if elevation_limit_deg is None else math.radians(elevation_limit_deg)
+    galaxies = sources.galaxies(centre)
+    lens = shear_at_fixed_scale_length if legacy_shear else shear_galaxies
+    galaxies = lens(galaxies, complex(*shear))
+    band = Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, channels)
+    coverage = synthesise(antennas, Track.from_clock(centre, ranges, integration_s, limit))
+    noise: Noise
+    if sefd is not None:
+        kind = StokesINoise if noise_on is NoiseOn.STOKES_I else CorrelationNoise
+        noise = kind(sefd, efficiency)
+    else:
+        flux_ujy, snr = snr_at or (10.0, 10.0)
+        samples = len(coverage) * len(band)
+        noise = ScaledNoise.from_point_source(flux_ujy * MICROJANSKY, snr, samples)
+    observation = SimulatedObservation(
+        coverage=coverage,
+        channels=band,
+        galaxies=galaxies,
+        profile=profile_of(profile),
+        noise=noise,
+        seed=None if no_noise else seed,
+    )
+    with progress_bar("simulating") as progress:
+        write_measurement_set(
+            output,
+            observation,
+            overwrite=overwrite,
+            threads=thread_count(threads),
+            progress=progress,
+        )
+    say(f"{output}: {len(coverage)} rows, {len(band)} channels, {len(galaxies)} galaxies")
+
+
+def phase_centre_of(
+    sources: "Catalogue", ra_deg: float | None, declination_deg: float | None
+) -> "PhaseCentre":
+    """Take the phase centre from the options, else from the catalogue."""
+    from uvshear.geometry.directions import PhaseCentre
+
+    field = sources.field_centre
+    if declination_deg is None and field is None:
+        raise InputError("--declination-deg: the catalogue has no centre, so it is needed")
+    ra = 0.0 if field is None else field.ra
+    if ra_deg is not None:
+        ra = math.radians(ra_deg)
+    elif field is None and sources.ra is not None:
+        raise InputError("--ra-deg: the catalogue gives (ra, dec), so it is needed")
+    if declination_deg is not None:
+        return PhaseCentre(ra, math.radians(declination_deg))
+    assert field is not None
+    return PhaseCentre(ra, field.dec)
+
+
+def parse_sefd(text: str) -> "Sefd":
+    """Read one SEFD, or one for each diameter as DIAMETER:SEFD,DIAMETER:SEFD."""
+    try:
+        if ":" not in text:
+            sefd: Sefd = float(text)
+            values = [float(text)]
+        else:
+            pairs = [part.split(":") for part in text.split(",")]
+            sefd = tuple((float(diameter), float(value)) for diameter, value in pairs)
+            values = [number for pair in sefd for number in pair]
+    except ValueError:
+        values = []
+    if not values or not all(0 < value < math.inf for value in values):
+        raise InputError(
+            f"--sefd-jy {text}: a positive number of Jy, or DIAMETER:SEFD,DIAMETER:SEFD, is needed"
+        )
+    return sefd

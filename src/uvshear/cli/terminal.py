@@ -1,0 +1,48 @@
+"""What the user sees: tables and a progress bar, the bar on a terminal only."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+
+import typer
+
+Progress = Callable[[int, int], None]
+"""Called with what is done and what there is."""
+
+
+@contextmanager
+def progress_bar(description: str) -> Iterator[Progress]:
+    """Give a function that moves a bar on stderr; on what is no terminal it does nothing."""
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda done, total: None
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+    with Bar(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(description, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+def show_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Show a table on stdout, aligned and without colours or frames when it is no terminal."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    width = None if Console().is_terminal else 200
+    console = Console(width=width, highlight=False, markup=False)
+    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
+    for index, column in enumerate(columns):
+        table.add_column(column, justify="left" if index == 0 else "right")
+    for row in rows:
+        table.add_row(*row)
+    console.print(table)
+
+
+def say(text: str) -> None:
+    """Show a line on stdout."""
+    typer.echo(text)

@@ -1,0 +1,149 @@
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from casacore import tables
+
+from uvshear import __version__
+from uvshear.cli.measure import FacetName, facet_method
+from uvshear.extraction.cell_average import CellAverageFacets, ScaleLengths
+from uvshear.extraction.exact import ExactFacets
+from uvshear.io.shapes import COLUMNS, read_shapes
+
+CONTRACT = 21
+"""Columns that commands.md fixes, the first of the table."""
+
+
+def test_shapes_are_measured_and_tell_how(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path
+) -> None:
+    output = tmp_path / "shapes.fits"
+    outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output, "--uv-min", "10")
+    assert outcome.status == 0, outcome.err
+    assert outcome.err == ""
+    shapes = read_shapes(output)
+    assert shapes.colnames[:CONTRACT] == list(COLUMNS)[:CONTRACT]
+    assert shapes["id"].tolist() == [1, 2, 3]
+    assert json.loads(shapes.meta["INPUTS"]) == [str(field), str(catalogue)]
+    options = json.loads(shapes.meta["OPTIONS"])
+    assert options["uv_min"] == 10.0
+    assert not {"threads", "overwrite", "output"} & set(options)
+    assert shapes.meta["VERSION"] == f"uvshear {__version__}"
+
+
+def test_two_sets_of_a_pointing_are_measured_together(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path
+) -> None:
+    snr = []
+    for name, sets in (("one.ecsv", [field]), ("two.ecsv", [field, field])):
+        words = ("measure", *sets, "--catalogue", catalogue, "-o", tmp_path / name)
+        assert uvshear(*words, "--rounds", "1").status == 0
+        snr.append(np.asarray(read_shapes(tmp_path / name)["snr"]))
+    np.testing.assert_allclose(snr[1] / snr[0], np.sqrt(2), rtol=0.05)
+
+
+def test_facets_are_chosen_by_name_and_size() -> None:
+    assert facet_method(FacetName.EXACT, None) == ExactFacets()
+    assert facet_method(FacetName.EXACT, 80.0) == ExactFacets(80.0)
+    assert facet_method(FacetName.CELL_AVERAGE, None) == CellAverageFacets(ScaleLengths(38))
+    assert facet_method(FacetName.CELL_AVERAGE, 76.0) == CellAverageFacets(ScaleLengths(76))
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("--uv-min -1", "'--uv-min': -1 is not 0 or more"),
+        ("--uv-min nan", "'--uv-min': nan is not 0 or more"),
+        ("--uv-max 0", "'--uv-max': 0 is not above 0"),
+        ("--uv-min 5000 --uv-max 3000", "--uv-min 5000 --uv-max 3000: uv-min < uv-max"),
+        ("--facet-size -38", "'--facet-size': -38 is not above 0"),
+        ("--rounds 0", "'--rounds': 0 is not above 0"),
+        ("--threads -1", "--threads"),
+        ("--size-prior catalogue", "has no column 'scale_length'"),
+        ("--reference-frequency-mhz -3", "-3 is not above 0"),
+        ("--column MODEL", "MODEL"),
+    ],
+)
+def test_a_wrong_option_is_named_and_nothing_written(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path, words: str, message: str
+) -> None:
+    before = sorted(tmp_path.iterdir())
+    output = tmp_path / "shapes.fits"
+    outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output, *words.split())
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        (("absent.ms", "cat.ecsv", "shapes.fits"), "absent.ms"),
+        (("cat.ecsv", "cat.ecsv", "shapes.fits"), "cat.ecsv"),
+        ((".", "cat.ecsv", "shapes.fits"), "Measurement Set"),
+        (("field.ms", "absent.fits", "shapes.fits"), "absent.fits: no such file"),
+        (("field.ms", "field.ms", "shapes.fits"), "is a directory; a catalogue is needed"),
+        (("field.ms", "cat.csv", "shapes.fits"), "column 'flux' has no unit"),
+        (("field.ms", "cat.ecsv", "shapes.txt"), "give .ecsv, .fits"),
+        (("field.ms", "cat.ecsv", "nowhere/shapes.fits"), "does not exist"),
+        (("field.ms", "cat.ecsv", "cat.ecsv"), "exists already; give --overwrite"),
+    ],
+)
+def test_a_wrong_file_is_named_and_nothing_written(
+    uvshear: Callable,
+    tmp_path: Path,
+    field: Path,
+    catalogue: Path,
+    files: tuple[str, str, str],
+    message: str,
+) -> None:
+    assert field.exists()
+    assert catalogue.exists()
+    before = sorted(tmp_path.iterdir())
+    measurement_set, sources, output = (tmp_path / name for name in files)
+    outcome = uvshear("measure", measurement_set, "--catalogue", sources, "-o", output)
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "message"),
+    [("FLAG", True, "flagged"), ("WEIGHT_SPECTRUM", 0.0, "weight"), ("DATA", np.nan, "not finite")],
+)
+def test_visibilities_of_which_none_is_usable_are_refused(
+    uvshear: Callable,
+    tmp_path: Path,
+    field: Path,
+    catalogue: Path,
+    column: str,
+    value: object,
+    message: str,
+) -> None:
+    with tables.table(str(field), readonly=False, ack=False) as main:
+        main.putcol(column, np.full_like(main.getcol(column), value))
+    before = sorted(tmp_path.iterdir())
+    output = tmp_path / "shapes.fits"
+    outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output)
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_set_of_another_pointing_is_refused(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path, layout: Path
+) -> None:
+    other = tmp_path / "other.ms"
+    words = "--declination-deg -31 --hours 1 --integration-s 1800 --band-mhz 950 1190 --no-noise"
+    common = ("--layout", layout, "--catalogue", catalogue)
+    assert uvshear("simulate", *common, *words.split(), "-o", other).status == 0
+    output = tmp_path / "shapes.fits"
+    outcome = uvshear("measure", field, other, "--catalogue", catalogue, "-o", output)
+    assert outcome.status == 2
+    assert "other.ms: its phase centre is 3.6e+03 arcsec from" in outcome.err
+    assert not output.exists()

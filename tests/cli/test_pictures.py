@@ -1,0 +1,107 @@
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from astropy.table import Table
+
+from uvshear.cli import demo
+
+
+def test_the_known_arrays_are_listed(uvshear: Callable) -> None:
+    outcome = uvshear("layouts")
+    assert outcome.status == 0
+    for name in [
+        "ska-mid-aa4",
+        "ska-mid-aastar",
+        "ska-mid-aa2",
+        "meerkat",
+        "vla-a",
+        "vla-b",
+        "e-merlin",
+    ]:
+        assert name in outcome.out
+
+
+def test_one_array_is_drawn(
+    uvshear: Callable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    outcome = uvshear("layouts", "vla-a")
+    assert outcome.status == 0
+    assert "27" in outcome.out
+    assert [path.name for path in tmp_path.iterdir()] == ["vla-a-layout.png"]
+
+
+def test_the_psf_is_described_and_drawn(
+    uvshear: Callable, tmp_path: Path, field: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    outcome = uvshear("psf", field, "--weight-sigma-arcsec", "8", "--pixel-arcsec", "0.5")
+    assert outcome.status == 0, outcome.err
+    assert "size R = Q_ll + Q_mm" in outcome.out
+    assert (tmp_path / "field-psf.png").exists()
+    assert (tmp_path / "field-uv.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("psf field.ms --uv-min 1e9", "a wider uv range is needed"),
+        ("psf field.ms --uv-min 10 --uv-max 5", "uv-min < uv-max is needed"),
+        ("psf field.ms --pixel-arcsec -1", "-1 is not above 0"),
+        ("psf field.ms --pixel-arcsec 3", "pixels of sigma/5 or so are needed"),
+        ("psf absent.ms", "absent.ms"),
+        ("psf field.ms -o nowhere/psf.png", "does not exist"),
+        ("layouts alma", "neither a known array"),
+        ("layouts vla-a -o map.docx", "give an extension such as .png"),
+        ("demo cat.ecsv", "is a file; a directory is needed"),
+        ("demo /proc/demo", "cannot be made"),
+        ("demo full", "exists already; give --overwrite or another directory"),
+    ],
+)
+def test_a_wrong_input_is_named_and_nothing_written(
+    uvshear: Callable,
+    tmp_path: Path,
+    field: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    words: str,
+    message: str,
+) -> None:
+    assert field.exists()
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "shapes.fits").write_text("kept")
+    monkeypatch.chdir(tmp_path)
+    before = sorted(tmp_path.rglob("*"))
+    outcome = uvshear(*words.split())
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_the_demo_runs_commands_that_a_user_can_type(
+    uvshear: Callable, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The demo on a small field: fewer galaxies, a smaller array, fewer samples."""
+    smaller = {"2.8": "0.3", "ska-mid-aa4": "meerkat", str(demo.INTEGRATION_S): "3600"}
+    whole = demo.commands
+    monkeypatch.setattr(
+        demo,
+        "commands",
+        lambda directory: tuple(
+            tuple(smaller.get(word, word) for word in command) for command in whole(directory)
+        ),
+    )
+    directory = tmp_path / "new" / "demo"
+    outcome = uvshear("demo", directory)
+    assert outcome.status == 0, outcome.err
+    names = {path.name for path in directory.iterdir()}
+    assert names == {
+        *(demo.CATALOGUE, demo.FIELD, demo.SHAPES, demo.SHEAR, demo.SLOPES),
+        *(f"{picture}.png" for picture in demo.PICTURES),
+    }
+    assert "slope of e, weights 1/(s^2 + 0.07)" in outcome.out
+    assert set(json.loads((directory / demo.SHEAR).read_text())) >= {"g1", "g1_err", "n"}
+    assert Table.read(directory / demo.SLOPES)["component"].tolist() == ["e1", "e2"]
+    assert uvshear("demo", directory).status == 2

@@ -1,0 +1,80 @@
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uvshear import __version__
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.io.shapes import COLUMNS, DERIVED, shapes_table, write_shapes
+
+
+@pytest.fixture
+def shapes(tmp_path: Path) -> Path:
+    rng = np.random.default_rng(8)
+    n = 200
+    values = {name: rng.uniform(0.01, 0.02, n) for name in COLUMNS if name not in DERIVED}
+    values |= {
+        "id": np.arange(n),
+        "e1": rng.normal(0.05, 0.1, n),
+        "e2": rng.normal(-0.02, 0.1, n),
+        "weight": np.ones(n),
+        "snr": np.linspace(5, 50, n),
+        "flag": np.full(n, "ok"),
+    }
+    path = tmp_path / "shapes.fits"
+    write_shapes(path, shapes_table(values, PhaseCentre(0.0, 0.0)))
+    return path
+
+
+def test_the_shear_is_told_and_written(uvshear: Callable, tmp_path: Path, shapes: Path) -> None:
+    output = tmp_path / "shear.json"
+    outcome = uvshear("shear", shapes, "-o", output)
+    assert outcome.status == 0, outcome.err
+    estimate = json.loads(output.read_text())
+    assert list(estimate) == ["g1", "g1_err", "g2", "g2_err", "n", "estimator", "version"]
+    assert estimate["n"] == 200
+    assert estimate["estimator"] == "mean"
+    assert estimate["version"] == __version__
+    assert abs(estimate["g1"] - 0.05) < 4 * estimate["g1_err"]
+    assert estimate["g1_err"] == pytest.approx(0.1 / np.sqrt(200), rel=0.2)
+    assert f"g1 = {estimate['g1']:+.5f}" in outcome.out
+
+
+def test_faint_galaxies_are_left_out(uvshear: Callable, tmp_path: Path, shapes: Path) -> None:
+    output = tmp_path / "shear.json"
+    assert uvshear("shear", shapes, "--snr-min", "27.5", "-o", output).status == 0
+    assert json.loads(output.read_text())["n"] == 100
+
+
+def test_the_same_seed_gives_the_same_error(
+    uvshear: Callable, tmp_path: Path, shapes: Path
+) -> None:
+    for name in ("a.json", "b.json"):
+        assert uvshear("shear", shapes, "--seed", "4", "-o", tmp_path / name).status == 0
+    assert (tmp_path / "a.json").read_text() == (tmp_path / "b.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "message"),
+    [
+        ("absent.fits", "", "absent.fits: no such file"),
+        ("junk.fits", "", "cannot be read as a table"),
+        ("other.csv", "", "has no column 'e1'; a table written by `uvshear measure` is needed"),
+        ("shapes.fits", "--snr-min -3", "'--snr-min': -3 is not 0 or more"),
+        ("shapes.fits", "--snr-min 1e9", "two or more"),
+        ("shapes.fits", "--seed -3", "--seed"),
+    ],
+)
+def test_a_wrong_input_is_named_and_nothing_written(
+    uvshear: Callable, tmp_path: Path, shapes: Path, name: str, words: str, message: str
+) -> None:
+    (shapes.parent / "junk.fits").write_bytes(b"\x01\x02" * 50)
+    (shapes.parent / "other.csv").write_text("a,b\n1,2\n")
+    before = sorted(tmp_path.iterdir())
+    outcome = uvshear("shear", tmp_path / name, *words.split(), "-o", tmp_path / "shear.json")
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert sorted(tmp_path.iterdir()) == before
