@@ -1,0 +1,171 @@
+"""wsclean and PyBDSF see the simulated sky where, as bright, and as elongated as it was put."""
+
+import math
+import os
+import shutil
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+from astropy.io import fits
+from astropy.table import Table
+from astropy.wcs import WCS
+
+from uvshear.constants import ARCSEC
+from uvshear.galaxy import Exponential, Galaxies
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.coverage import Track, synthesise
+from uvshear.interferometer.layout import load_layout
+from uvshear.interferometer.noise import ScaledNoise
+from uvshear.interferometer.spectral_window import Channels
+from uvshear.io.measurement_set_writer import write_measurement_set
+from uvshear.simulate.observation import SimulatedObservation
+
+pytestmark = pytest.mark.referee
+
+PHASE_CENTRE = PhaseCentre(math.radians(150.0), math.radians(-30.0))
+PIXEL = 1.0 * ARCSEC
+SIZE = 1024
+BEAM = 7.0
+
+
+def _galaxies(l, m, flux, scale_length, ellipticity):
+    return Galaxies(
+        l=np.array(l),
+        m=np.array(m),
+        flux=np.array(flux),
+        scale_length=np.array(scale_length),
+        ellipticity=np.array(ellipticity, dtype=complex),
+        spectral_index=np.zeros(len(l)),
+    )
+
+
+def _image(directory, galaxies, *options):
+    """Simulate eight hours of SKA-Mid AA2 and let wsclean image them; the restored image."""
+    wsclean = shutil.which("wsclean")
+    assert wsclean is not None, "wsclean is missing: make test-referees installs it"
+    track = Track.from_clock(PHASE_CENTRE, ((-4 * 3600.0, 4 * 3600.0),), 240.0)
+    path = directory / "field.ms"
+    observation = SimulatedObservation(
+        coverage=synthesise(load_layout("ska-mid-aa2"), track),
+        channels=Channels.from_band(1.3e9, 1.5e9, 2),
+        galaxies=galaxies,
+        profile=Exponential(),
+        noise=ScaledNoise(1e-4),
+        seed=5,
+    )
+    write_measurement_set(path, observation)
+    command = [wsclean, "-quiet", "-j", "2", "-no-update-model-required", "-use-wgridder"]
+    command += ["-name", "image"]
+    subprocess.run([*command, *options, path.name], cwd=directory, check=True, timeout=600)
+    return directory / "image-image.fits"
+
+
+@pytest.fixture(scope="module")
+def point_image(tmp_path_factory):
+    """Image of two sources to the North-East and one to the South, on pixel centres."""
+    galaxies = _galaxies(
+        l=[200 * PIXEL, 100 * PIXEL, 0.0],
+        m=[100 * PIXEL, 300 * PIXEL, -250 * PIXEL],
+        flux=[5e-3, 3e-3, 2e-3],
+        scale_length=[0.0, 0.0, 0.0],
+        ellipticity=[0, 0, 0],
+    )
+    path = _image(
+        tmp_path_factory.mktemp("points"),
+        galaxies,
+        *("-weight", "briggs", "0", "-niter", "2000", "-mgain", "0.8", "-auto-threshold", "3"),
+        *("-size", str(SIZE), str(SIZE), "-scale", "1asec", "-maxuvw-m", "20000"),
+    )
+    return galaxies, path
+
+
+def _direction(l, m):
+    """Right ascension and declination of (l, m) by turning a vector: no formula of the package."""
+    ra, dec = PHASE_CENTRE.ra, PHASE_CENTRE.dec
+    east = np.array([-np.sin(ra), np.cos(ra), 0])
+    north = np.array([-np.sin(dec) * np.cos(ra), -np.sin(dec) * np.sin(ra), np.cos(dec)])
+    towards = np.cross(east, north)
+    x, y, z = l * east + m * north + math.sqrt(1 - l * l - m * m) * towards
+    return math.degrees(math.atan2(y, x)) % 360, math.degrees(math.asin(z))
+
+
+def test_sources_appear_in_their_directions(point_image):
+    galaxies, path = point_image
+    image = fits.getdata(path)[0, 0]
+    wcs = WCS(fits.getheader(path), fix=False).celestial
+    for l, m, flux in zip(galaxies.l, galaxies.m, galaxies.flux, strict=True):
+        ra, dec = _direction(l, m)
+        x, y = (float(pixel) for pixel in wcs.world_to_pixel_values(ra, dec))
+        rows, columns = round(y) + np.arange(-8, 9), round(x) + np.arange(-8, 9)
+        stamp = image[np.ix_(rows, columns)]
+        peak_row, peak_column = np.unravel_index(np.argmax(stamp), stamp.shape)
+        # the sources lie on pixels, the mirror image lies elsewhere
+        assert (rows[peak_row], columns[peak_column]) == (round(y), round(x))
+        assert stamp.max() == pytest.approx(flux, rel=0.01)
+
+
+def test_east_is_left_and_north_is_up(point_image):
+    _, path = point_image
+    image = fits.getdata(path)[0, 0]
+    row, column = np.unravel_index(np.argmax(image), image.shape)
+    assert (row, column) == (SIZE // 2 + 100, SIZE // 2 - 200)
+    header = fits.getheader(path)
+    ra, dec = WCS(header, fix=False).celestial.pixel_to_world_values(column, row)
+    assert ra > 150
+    assert dec > -30
+
+
+SHAPES = [(0.35, 0.0), (0.0, 0.35), (0.0, -0.35), (-0.25, 0.25)]
+
+
+def test_position_angles_are_pybdsf_s(tmp_path):
+    galaxies = _galaxies(
+        l=[150 * PIXEL, -150 * PIXEL, 150 * PIXEL, -150 * PIXEL],
+        m=[150 * PIXEL, 150 * PIXEL, -150 * PIXEL, -150 * PIXEL],
+        flux=[0.02] * 4,
+        scale_length=[6 * ARCSEC] * 4,
+        ellipticity=[complex(*shape) for shape in SHAPES],
+    )
+    path = _image(
+        tmp_path,
+        galaxies,
+        *("-weight", "briggs", "0", "-taper-gaussian", f"{BEAM}asec", "-multiscale"),
+        *("-niter", "2000", "-mgain", "0.7", "-auto-threshold", "3"),
+        *("-size", "400", "400", "-scale", "1.5asec"),
+    )
+    catalogue = tmp_path / "sources.fits"
+    script = textwrap.dedent(
+        f"""
+        import bdsf
+        image = bdsf.process_image({str(path)!r}, thresh_isl=5, thresh_pix=7, ncores=1, quiet=True,
+                                   group_by_isl=True)
+        image.write_catalog(outfile={str(catalogue)!r}, format="fits", catalog_type="srl",
+                            clobber=True)
+        """
+    )
+    subprocess.run(
+        [sys.executable, "-c", script],
+        check=True,
+        cwd=tmp_path,
+        timeout=600,
+        env=os.environ | {"MPLBACKEND": "Agg"},
+    )
+    sources = Table.read(catalogue)
+    assert len(sources) == len(SHAPES)
+    for index, (e1, e2) in enumerate(SHAPES):
+        ra, dec = _direction(galaxies.l[index], galaxies.m[index])
+        distance = np.hypot((sources["RA"] - ra) * math.cos(PHASE_CENTRE.dec), sources["DEC"] - dec)
+        source = sources[int(np.argmin(distance))]
+        assert distance.min() * 3600 < 0.1
+        assert source["Total_flux"] == pytest.approx(0.02, rel=0.01)
+        # measured 0.03 degrees; theta runs from East (l) to North (m), the position angle from North to East
+        theta = math.degrees(math.atan2(e2, e1)) / 2
+        difference = (source["DC_PA"] - (90 - theta) + 90) % 180 - 90
+        assert abs(difference) < 0.5, (e1, e2, source["DC_PA"])
+        # |e| = (a - b)/(a + b): 0.35 is an axis ratio of 0.48
+        ratio = source["DC_Min"] / source["DC_Maj"]
+        modulus = math.hypot(e1, e2)
+        assert ratio == pytest.approx((1 - modulus) / (1 + modulus), abs=0.01)
