@@ -43,7 +43,7 @@ def test_baselines_are_astropy_s(name, ra, dec):
     coverage = synthesise(load_layout(name), track)
     expected = _referee_uvw(coverage)
     error = np.linalg.norm(coverage.uvw - expected, axis=1) / np.linalg.norm(expected, axis=1)
-    # measured 4.8e-5 (nutation, aberration); a sign or an axis exchanged gives 1, solar for sidereal time 3e-3
+    # measured 4.8e-5 (nutation, aberration); an axis exchanged gives 1, solar time 3e-3
     assert error.max() < 1e-4
 
 
