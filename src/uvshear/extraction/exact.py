@@ -32,9 +32,12 @@ from uvshear.typing import Array, Bool, Float
 OVERSAMPLING = 1.2
 """Nyquist frequency of the facet's pixels over the longest baseline in it."""
 
-INFORMATIVE = 3.0
-"""Baselines beyond this over the median scale length are left out: |V|^2 is 2e-8 there for the median galaxy,
-2e-6 for one half as large."""
+INFORMATIVE = 2.5
+"""Baselines beyond this over the median scale length are left out: |V|^2 is 7e-8 there for the median galaxy,
+4e-6 for one half as large."""
+
+WIDEST = 3.8
+"""A facet grows to this many times its first width at most, 1.25^6."""
 
 LARGEST_PHASE = 0.5
 """Phase pi w x^2 at the facet's edge above which the gridder takes care of it, at four times the cost [rad].
@@ -43,9 +46,9 @@ The phase centre and the slope of w (n - 1) there are exact; this second order m
 
 @dataclass(frozen=True)
 class ExactFacets(FacetMethod):
-    """Facets ``scale_lengths`` times the median scale length wide."""
+    """Facets ``scale_lengths`` times the median scale length wide, wider for galaxies found to be larger."""
 
-    scale_lengths: float = 48.0
+    scale_lengths: float = 45.0
     epsilon: float = 1e-5
 
     def open(
@@ -57,12 +60,23 @@ class ExactFacets(FacetMethod):
         """Begin the facet of one source."""
         uv_max = min(target.uv_range.maximum, INFORMATIVE / target.scale_length)
         pixel = 1 / (2 * OVERSAMPLING * uv_max)
-        size = max(
-            fft.next_fast_len(math.ceil(self.scale_lengths * target.scale_length / pixel)), 32
-        )
-        grid = ImageGrid(size + size % 2, pixel)
+        grid = ImageGrid(_even_fast_size(self._width(target) / pixel), pixel)
         band = UvRange(target.uv_range.minimum, uv_max)
         return _ExactBuilder(target, profile, grid, band, self.epsilon, power)
+
+    def _width(self, target: Target) -> float:
+        """Widen by powers of 1.25 where the fitted galaxy asks for it: few sizes, so that beams are met again."""
+        least = self.scale_lengths * target.scale_length
+        wanted = min(2 * target.half_width, WIDEST * least)
+        steps = math.ceil(math.log(max(wanted / least, 1.0)) / math.log(1.25) - 1e-9)
+        return least * 1.25**steps
+
+
+def _even_fast_size(pixels: float) -> int:
+    size = max(math.ceil(pixels), 32)
+    while size % 2 or fft.next_fast_len(size) != size:
+        size += 1
+    return size
 
 
 class _ExactBuilder(FacetBuilder):
@@ -79,8 +93,10 @@ class _ExactBuilder(FacetBuilder):
         self._l, self._m = float(target.galaxy.l[0]), float(target.galaxy.m[0])
         self._band, self._grid, self._epsilon = band, grid, epsilon
         self._cutout = np.zeros((grid.size, grid.size))
-        # The beam does not depend on any model: one round is enough.
-        self._power = power
+        self._uv, self._multiplicity, self._kept = _half_plane(grid, band.maximum)
+        # The beam does not depend on any model: one round is enough, unless the facet has grown since.
+        is_known = power is not None and len(power) == len(self._uv)
+        self._power = power if is_known else None
         self._beam = np.zeros((grid.size, grid.size))
 
     def add(self, residual: Visibilities, model: Galaxies) -> None:
@@ -128,8 +144,8 @@ class _ExactBuilder(FacetBuilder):
         return math.pi * w_max * half_width**2 > LARGEST_PHASE
 
     def facet(self, model: Galaxies) -> Facet:
-        uv, multiplicity, kept = _half_plane(self._grid, self._band.maximum)
-        scale = multiplicity / self._grid.size**2
+        uv, kept = self._uv, self._kept
+        scale = self._multiplicity / self._grid.size**2
         power = self._power
         if power is None:
             power = _transform(self._beam)[kept].real * scale

@@ -34,11 +34,14 @@ class Target:
         Median of the prior on the scale length [rad].
     uv_range
         Its maximum is finite: the longest baseline that is used.
+    half_width
+        How far from its centre the galaxy is known to matter [rad]; 0 before it was fitted.
     """
 
     galaxy: Galaxies
     scale_length: float
     uv_range: UvRange
+    half_width: float = 0.0
 
 
 class FacetBuilder(ABC):

@@ -1,5 +1,6 @@
 """What a fit returns: numbers with their covariance, and one flag."""
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import Self
@@ -35,6 +36,15 @@ class GalaxyFit:
     offset: Float[Array, " 2"]
     ellipticity: complex
     scale_length: float
+    snr: float
+
+    @property
+    def half_width(self) -> float:
+        """Distance along the long axis at which the brightness is lost in the noise [rad].
+
+        The long axis has scale length alpha/(1-|e|); 1 + ln(snr) of them hold all but a part 1/snr.
+        """
+        return (1 + math.log(max(self.snr, 1.0))) * self.scale_length / (1 - abs(self.ellipticity))
 
 
 @dataclass(frozen=True)

@@ -55,6 +55,9 @@ class PositionQuadrature:
         """Build for a correlator centred on the best fit."""
         z = np.stack(np.meshgrid(_NODES, _NODES), axis=-1).reshape(-1, 2)
         weights = np.outer(_WEIGHTS, _WEIGHTS).ravel()
+        # The four corners hold a thousandth of the sum and cost a quarter of it.
+        inner = np.hypot(*z.T) < 3
+        z, weights = z[inner], weights[inner]
         width = np.linalg.cholesky(_INFLATION * np.linalg.inv(best.position_information))
         return cls(correlator, z @ width.T, np.log(weights) + 0.5 * np.sum(z**2, axis=1))
 

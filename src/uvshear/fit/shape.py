@@ -38,7 +38,7 @@ def measure_shape(
     best = maximise_likelihood(correlator, prior, start)
     if best is None:
         return ShapeMeasurement.failed(FitFlag.NO_PEAK)
-    if math.sqrt(best.information[0, 0]) * best.flux > FLOAT32_SNR:
+    if _significance(best) > FLOAT32_SNR:
         correlator = Correlator(facet, profile, np.float64)
         best = maximise_likelihood(correlator, prior, _galaxy(best, correlator)) or best
     samples = sample_posterior(correlator, prior, best)
@@ -51,7 +51,13 @@ def _galaxy(best: BestFit, correlator: Correlator) -> GalaxyFit:
         offset=best.position * correlator.length,
         ellipticity=best.ellipticity,
         scale_length=math.exp(best.log_scale_length),
+        snr=_significance(best),
     )
+
+
+def _significance(best: BestFit) -> float:
+    """S sqrt<m, m>: the flux comes first in the Fisher matrix."""
+    return best.flux * math.sqrt(float(best.information[0, 0]))
 
 
 def _has_data(facet: Facet) -> bool:
