@@ -3,8 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-
-from uvshear import __version__
+from importlib.metadata import version
 
 
 @dataclass(frozen=True)
@@ -18,7 +17,7 @@ class Provenance:
     def metadata(self) -> dict[str, str]:
         """Return it as short keys and ASCII text, which every table format keeps."""
         return {
-            "version": f"uvshear {__version__}",
+            "version": f"uvshear {version('uvshear')}",
             "command": self.command.encode("ascii", "backslashreplace").decode(),
             "inputs": json.dumps(list(self.inputs)),
             "options": json.dumps(dict(self.options), default=str),
