@@ -112,20 +112,26 @@ def test_a_wrong_file_is_named_and_nothing_written(
 
 
 @pytest.mark.parametrize(
-    ("column", "value", "message"),
-    [("FLAG", True, "flagged"), ("WEIGHT_SPECTRUM", 0.0, "weight"), ("DATA", np.nan, "not finite")],
+    ("columns", "value", "message"),
+    [
+        ("FLAG", True, "flagged"),
+        ("WEIGHT_SPECTRUM WEIGHT SIGMA", 0.0, "weight"),
+        ("WEIGHT_SPECTRUM WEIGHT SIGMA", -1.0, "weight"),
+        ("DATA", np.nan, "not finite"),
+    ],
 )
 def test_visibilities_of_which_none_is_usable_are_refused(
     uvshear: Callable,
     tmp_path: Path,
     field: Path,
     catalogue: Path,
-    column: str,
+    columns: str,
     value: object,
     message: str,
 ) -> None:
     with tables.table(str(field), readonly=False, ack=False) as main:
-        main.putcol(column, np.full_like(main.getcol(column), value))
+        for name in columns.split():
+            main.putcol(name, np.full_like(main.getcol(name), value))
     before = sorted(tmp_path.iterdir())
     output = tmp_path / "shapes.fits"
     outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output)

@@ -6,7 +6,13 @@ from pathlib import Path
 import pytest
 
 from uvshear.errors import InputError
-from uvshear.io.outputs import check_output, new_file, write_json
+from uvshear.io.outputs import (
+    check_output,
+    new_file,
+    remove_unfinished,
+    unfinished,
+    write_json,
+)
 
 
 def _begin_and_stop(
@@ -85,3 +91,14 @@ def test_json_holds_no_nan(tmp_path: Path) -> None:
         "n": 4,
         "estimator": "mean",
     }
+
+
+def test_what_is_being_written_does_not_outlive_an_abandoned_process(tmp_path: Path) -> None:
+    directory = tmp_path / ".field.ms.partial"
+    directory.mkdir()
+    with unfinished(directory), new_file(tmp_path / "out.fits") as temporary:
+        temporary.write_text("half")
+        remove_unfinished()
+        assert list(tmp_path.iterdir()) == []
+        temporary.write_text("whole")
+    assert [path.name for path in tmp_path.iterdir()] == ["out.fits"]

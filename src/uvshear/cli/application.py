@@ -1,8 +1,12 @@
 """The application: its commands, and the one line that a wrong call ends with."""
 
+import ctypes
 import os
 import sys
+import threading
 from collections.abc import Sequence
+from concurrent.futures import Future
+from contextlib import suppress
 from typing import Annotated, Final
 
 import typer
@@ -10,9 +14,14 @@ import typer
 from uvshear import __version__
 from uvshear.cli import catalogue, demo, layouts, measure, psf, shear, simulate
 from uvshear.errors import InputError
+from uvshear.io.outputs import remove_unfinished
 
 WRONG_INPUT: Final = 2
 INTERRUPTED: Final = 130
+INTERRUPTION: Final = "uvshear: interrupted; unfinished outputs are removed"
+
+GRACE: Final = 1.0
+"""Time that a command has to clean up after itself once it is interrupted [s]."""
 
 _ClickException: Final = typer.BadParameter.__mro__[2]
 """Root of the errors in options; typer carries its own copy of click in some versions."""
@@ -51,8 +60,40 @@ def _root(
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line and exit: 0 done, 2 a wrong input in one line, 130 interrupted."""
-    sys.exit(run(arguments))
+    """Run the command line and exit: 0 done, 2 a wrong input in one line, 130 interrupted.
+
+    The command runs beside the main thread, which can so answer Ctrl-C while compiled code runs.
+    """
+    outcome: Future[int] = Future()
+    worker = threading.Thread(target=_settle, args=(outcome, arguments), daemon=True)
+    worker.start()
+    try:
+        status = outcome.result()
+    except KeyboardInterrupt:
+        status = _stop(worker)
+    worker.join()
+    sys.exit(status)
+
+
+def _settle(outcome: Future[int], arguments: Sequence[str] | None) -> None:
+    try:
+        outcome.set_result(run(arguments))
+    except BaseException as error:
+        outcome.set_exception(error)
+
+
+def _stop(worker: threading.Thread) -> int:
+    """Interrupt the command; where compiled code does not return soon, end the process without it."""
+    interrupt = ctypes.py_object(KeyboardInterrupt)
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(worker.ident or 0), interrupt)
+    with suppress(KeyboardInterrupt):  # once more: the user is in a hurry
+        worker.join(GRACE)
+    if worker.is_alive():
+        remove_unfinished()
+        typer.echo(INTERRUPTION, err=True)
+        sys.stdout.flush()
+        os._exit(INTERRUPTED)
+    return INTERRUPTED
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -70,7 +111,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
         typer.echo(message, err=True)
         status = WRONG_INPUT
     if status == INTERRUPTED:
-        typer.echo("uvshear: interrupted; unfinished outputs are removed", err=True)
+        typer.echo(INTERRUPTION, err=True)
     return status if isinstance(status, int) else 0
 
 

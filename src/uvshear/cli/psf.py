@@ -87,7 +87,9 @@ def psf(
 
     from uvshear.plot import draw_psf, draw_uv_coverage, save
 
-    save(draw_psf(image, pixel, shape.ellipticity, stem), psf_picture, overwrite=overwrite)
+    save(
+        draw_psf(image, pixel, shape.ellipticity, f"PSF, {stem}"), psf_picture, overwrite=overwrite
+    )
     save(
         draw_uv_coverage(coverage.uvw, coverage.frequency, f"uv coverage, {stem}"),
         uv_picture,

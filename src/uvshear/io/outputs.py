@@ -3,11 +3,33 @@
 import json
 import math
 import os
+import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
 from uvshear.errors import InputError
+
+_unfinished: set[Path] = set()
+
+
+@contextmanager
+def unfinished(path: Path) -> Iterator[None]:
+    """Within the block ``path`` is not to outlive the process (:func:`remove_unfinished`)."""
+    _unfinished.add(path)
+    try:
+        yield
+    finally:
+        _unfinished.discard(path)
+
+
+def remove_unfinished() -> None:
+    """Remove what is being written; for a process that ends without unwinding."""
+    for path in tuple(_unfinished):
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path, ignore_errors=True)
+        else:
+            path.unlink(missing_ok=True)
 
 
 def check_output(path: Path, *, overwrite: bool) -> None:
@@ -35,7 +57,8 @@ def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     try:
         temporary.touch()  # an unwritable place is found now, not after the computation
         temporary.unlink()
-        yield temporary
+        with unfinished(temporary):
+            yield temporary
         temporary.replace(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
