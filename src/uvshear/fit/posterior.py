@@ -87,7 +87,7 @@ class _Lattice:
         variance = ((steps - mean[:, None]) ** 2) @ samples.probability
         return bool(np.all(np.sqrt(variance) > 0.9))
 
-    def _new_points(self, points: Int[Array, "point 2"]) -> Int[Array, "point 2"]:
+    def _new_points(self, points: Int[Array, "point 2"]) -> Int[Array, "new 2"]:
         new = [p for p in dict.fromkeys(map(tuple, points.tolist())) if p not in self._seen]
         self._seen.update(new)
         if not new:
