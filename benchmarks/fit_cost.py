@@ -57,7 +57,7 @@ def time_fit(name: str, method, uvw: np.ndarray, flux: float, snr: float) -> Non
     residual = noisy - predict_visibilities(model, uvw, FREQUENCY, profile, threads=2)
     weights = np.full(vis.shape, sigma**-2)
     longest = float(np.hypot(uvw[:, 0], uvw[:, 1]).max() * FREQUENCY[0] / 299792458.0)
-    builder = method.open(Target(model, size, UvRange(0, longest)), profile)
+    builder = method.open(Target(model, size, UvRange(0, longest), FREQUENCY[0]), profile)
     builder.add(Visibilities(uvw, FREQUENCY, residual, weights), model)
     facet = builder.facet(model)
     prior = ShapePrior(math.log(size), 0.3136)

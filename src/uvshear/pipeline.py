@@ -272,6 +272,7 @@ class _Sweep:
             galaxy=field.sky.select(np.array([source])),
             scale_length=float(np.exp(field.size.log_median[source])),
             uv_range=field.uv_range,
+            frequency=field.extent.frequency,
             half_width=fit.half_width if (fit := self._fits.get(source)) else 0.0,
         )
 

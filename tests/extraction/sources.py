@@ -58,7 +58,7 @@ def scene(e=0.3 - 0.2j, l=0.008, m=-0.005, flux=1e-4, uv_min=0.0, frequency=L_BA
     weights[::50] = 0
     seen = Visibilities(uvw, frequency, vis, weights)
     longest = measure_extent(VisibilitySet(centre, (seen,))).longest
-    target = Target(replace(galaxy, flux=np.ones(1)), ALPHA, UvRange(uv_min, longest * 1.01))
+    target = Target(replace(galaxy, flux=np.ones(1)), ALPHA, UvRange(uv_min, longest * 1.01), 1.4e9)
     return Scene(galaxy, seen, target)
 
 

@@ -77,17 +77,19 @@ def test_a_baseline_and_its_conjugate_are_one():
     [(38.0, 2e-6, 1e5, 16), (76.0, 2e-6, 1e5, 32), (38.0, 2e-6, 1.001e5, 16), (38.0, 5e-6, 9.99e5, 380)],
 )
 def test_the_rule_by_scale_lengths(number, alpha, longest, cells):
-    target = Target(galaxies(), alpha, UvRange(0.0, longest))
+    target = Target(galaxies(), alpha, UvRange(0.0, longest), 1.4e9)
     assert ScaleLengths(number).cells(target) == 2 * math.ceil(longest * number * alpha) == cells
 
 
 @pytest.mark.parametrize(
     ("flux", "cells"),
-    [(200, 600), (150, 600), (149, 550), (100, 550), (80, 500), (60, 460), (40, 420), (39, 350)]
-    + [(20, 350), (19, 280), (10, 280)],
+    [
+        *((200, 600), (150, 600), (149, 550), (100, 550), (80, 500), (60, 460)),
+        *((40, 420), (39, 350), (20, 350), (19, 280), (10, 280)),
+    ],
 )
 def test_the_sizes_of_the_papers_table(flux, cells):
-    target = Target(galaxies(flux=float(f"{flux}e-6")), ALPHA, UvRange(0.0, 1e5))
+    target = Target(galaxies(flux=float(f"{flux}e-6")), ALPHA, UvRange(0.0, 1e5), 1.4e9)
     assert PaperTable().cells(target) == cells
 
 

@@ -9,6 +9,7 @@ from tests.extraction.sources import ALPHA, PROFILE, model_on, part, scene
 from tests.reference import dirty
 from tests.skies import galaxies
 from uvshear.extraction.exact import ExactFacets
+from uvshear.extraction.phase import baselines_seen_from
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import fit_galaxy
 from uvshear.predict import predict_visibilities
@@ -66,11 +67,8 @@ def test_channels_add_with_the_spectrum_of_the_source():
 def test_baselines_outside_the_uv_range_take_no_part():
     field = scene(uv_min=8e3)
     facet = field.facet(ExactFacets())
-    short = part(field.seen, np.arange(len(field.seen)))
-    from uvshear.extraction.phase import baselines_seen_from
-
     uvw = baselines_seen_from(short.uvw, field.galaxy.l[0], field.galaxy.m[0])
-    long = replace(short, uvw=uvw).uv_distance >= 8e3
+    long = replace(field.seen, uvw=uvw).uv_distance >= 8e3
     assert 0.1 < long.mean() < 0.95
     unit = field.seen.stokes_i / field.galaxy.flux[0]
     _, norm = products(facet, field.galaxy)
@@ -160,8 +158,25 @@ def test_a_facet_that_saw_nothing_has_no_power():
 
 def test_half_the_plane_stands_for_all_of_it():
     facet = scene().facet(ExactFacets())
-    u, v = facet.uv.T
-    assert np.all(v >= 0)
+    assert np.all(facet.uv[:, 1] >= 0)
     weights = scene().seen.weights
     # a point source's <m, m> is the sum of the weights; measured 2e-3, its sharp edge in the cells
     assert facet.power.sum() == pytest.approx(weights.sum(), rel=1e-2)
+
+
+def test_a_facet_grows_with_the_galaxy_found_in_it():
+    field = scene()
+    wider = replace(field, target=replace(field.target, half_width=45 * ALPHA))
+    small, large = (len(f.facet(ExactFacets()).uv) for f in (field, wider))
+    assert large > 3 * small  # twice as wide at least
+    endless = replace(field, target=replace(field.target, half_width=1.0))
+    assert len(endless.facet(ExactFacets()).uv) < 20 * small
+
+
+def test_the_power_of_a_smaller_facet_is_not_taken_for_the_larger_ones():
+    field = scene()
+    wider = replace(field, target=replace(field.target, half_width=45 * ALPHA))
+    builder = ExactFacets().open(wider.target, PROFILE, field.facet(ExactFacets()).power)
+    builder.add(field.residual(field.galaxy), field.galaxy)
+    expected = wider.facet(ExactFacets(), field.galaxy)
+    np.testing.assert_array_equal(builder.facet(field.galaxy).power, expected.power)

@@ -23,7 +23,7 @@ def _observation(pieces):
 
 def _facets(pieces, threads, on_chunk=None):
     members = np.array([0, 2])
-    targets = [Target(SKY.select(np.array([k])), ALPHA, UvRange(0.0, 5e4)) for k in members]
+    targets = [Target(SKY.select(np.array([k])), ALPHA, UvRange(0.0, 5e4), 1.4e9) for k in members]
     builders = [ExactFacets().open(target, PROFILE) for target in targets]
     gather_facets(
         _observation(pieces), SKY, builders, members, PROFILE, threads=threads, on_chunk=on_chunk
@@ -56,7 +56,7 @@ def test_a_builder_without_a_member_is_a_mistake():
         gather_facets(
             _observation(1),
             SKY,
-            [ExactFacets().open(Target(SKY.select(slice(0, 1)), ALPHA, UvRange(0.0, 5e4)), PROFILE)],
+            [ExactFacets().open(Target(SKY.select(slice(0, 1)), ALPHA, UvRange(0.0, 5e4), 1.4e9), PROFILE)],
             np.array([0, 1]),
             PROFILE,
         )

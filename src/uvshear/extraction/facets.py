@@ -34,6 +34,8 @@ class Target:
         Median of the prior on the scale length [rad].
     uv_range
         Its maximum is finite: the longest baseline that is used.
+    frequency
+        At which that baseline is so long: the highest [Hz].
     half_width
         How far from its centre the galaxy is known to matter [rad]; 0 before it was fitted.
     """
@@ -41,6 +43,7 @@ class Target:
     galaxy: Galaxies
     scale_length: float
     uv_range: UvRange
+    frequency: float
     half_width: float = 0.0
 
 

@@ -18,6 +18,8 @@ class Extent:
         Visibilities that carry weight.
     longest
         Longest baseline with weight [wavelengths].
+    frequency
+        The highest [Hz].
     weight
         Sum of the weights [Jy^-2]: 1/weight is the variance of a point source's flux.
     """
@@ -25,20 +27,22 @@ class Extent:
     rows: int
     samples: int
     longest: float
+    frequency: float
     weight: float
 
 
 def measure_extent(observation: Observation) -> Extent:
     """Read an observation once."""
     rows = samples = 0
-    longest = weight = 0.0
+    longest = weight = frequency = 0.0
     for chunk in observation.chunks():
         used = chunk.weights > 0
         rows += len(chunk)
         samples += int(used.sum())
+        frequency = max(frequency, float(chunk.frequency.max()))
         weight += float(chunk.weights.sum(dtype=float))
         if used.any():
             longest = max(longest, float(chunk.uv_distance[used].max()))
     if samples == 0:
         raise InputError("no visibility carries weight: all are flagged, or their weights are zero")
-    return Extent(rows, samples, longest, weight)
+    return Extent(rows, samples, longest, frequency, weight)
