@@ -34,8 +34,8 @@ from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.pipeline import MeasurementOptions
 from uvshear.predict import predict_visibilities
 from uvshear.shear.slope import fit_slope
-from uvshear.simulate.field import DiscField
-from uvshear.simulate.population import Population, draw_population
+from uvshear.simulation.field import DiscField
+from uvshear.simulation.population import Population, draw_population
 
 FREQUENCY = np.array([1.07e9])
 PHASE_CENTRE = PhaseCentre(0.3, math.radians(-30))

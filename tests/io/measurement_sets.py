@@ -12,7 +12,7 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.noise import CorrelationNoise
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.io.measurement_set_writer import write_measurement_set
-from uvshear.simulate.observation import SimulatedObservation
+from uvshear.simulation.observation import SimulatedObservation
 
 PHASE_CENTRE = PhaseCentre(1.0, -0.5)
 SEFD = ((13.5, 500.0), (15.0, 320.0))

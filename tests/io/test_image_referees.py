@@ -21,7 +21,7 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.noise import ScaledNoise
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.io.measurement_set_writer import write_measurement_set
-from uvshear.simulate.observation import SimulatedObservation
+from uvshear.simulation.observation import SimulatedObservation
 
 pytestmark = pytest.mark.referee
 

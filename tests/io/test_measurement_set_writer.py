@@ -8,7 +8,7 @@ from tests.io.measurement_sets import PHASE_CENTRE, simulated, written
 from uvshear.errors import InputError
 from uvshear.interferometer.stokes import Hands
 from uvshear.io.measurement_set_writer import write_measurement_set
-from uvshear.simulate import observation as observation_module
+from uvshear.simulation import observation as observation_module
 
 REQUIRED_SUBTABLES = (
     "ANTENNA",

@@ -106,7 +106,7 @@ def _compare(directory: Path, overwrite: bool) -> None:
     from uvshear.io.tables import write_table
     from uvshear.plot import draw_ellipticities, draw_residuals, draw_shear, save
     from uvshear.shear.slope import fit_slope
-    from uvshear.simulate.lensing import shear_galaxies
+    from uvshear.simulation.lensing import shear_galaxies
 
     centre = PhaseCentre(0.0, float(np.radians(-30.0)))
     intrinsic = read_catalogue(directory / CATALOGUE).galaxies(centre)

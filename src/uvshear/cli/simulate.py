@@ -144,8 +144,8 @@ def simulate(
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.measurement_set_writer import write_measurement_set
     from uvshear.io.outputs import check_output
-    from uvshear.simulate.lensing import shear_at_fixed_scale_length, shear_galaxies
-    from uvshear.simulate.observation import SimulatedObservation
+    from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
+    from uvshear.simulation.observation import SimulatedObservation
 
     check_output(output, overwrite=overwrite)
     sources = read_catalogue(catalogue)

@@ -8,7 +8,7 @@ import numpy as np
 from casacore import tables
 
 from uvshear.interferometer.stokes import Hands
-from uvshear.simulate.observation import SimulatedObservation
+from uvshear.simulation.observation import SimulatedObservation
 
 TOPOCENTRIC = 5
 """Code of the observer's own frame in MEAS_FREQ_REF (casacore, MFrequency::Types)."""

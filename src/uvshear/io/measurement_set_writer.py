@@ -15,7 +15,7 @@ from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.stokes import Hands
 from uvshear.io.measurement_set_subtables import write_subtables
 from uvshear.io.outputs import check_output
-from uvshear.simulate.observation import CorrelationBlock, SimulatedObservation
+from uvshear.simulation.observation import CorrelationBlock, SimulatedObservation
 
 TILE_BYTES: Final = 2**20
 """Size of a tile of each column: what a read touches at least."""

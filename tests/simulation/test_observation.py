@@ -11,8 +11,8 @@ from uvshear.interferometer.noise import CorrelationNoise, ScaledNoise
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict import predict_visibilities
-from uvshear.simulate import observation as module
-from uvshear.simulate.observation import SimulatedObservation
+from uvshear.simulation import observation as module
+from uvshear.simulation.observation import SimulatedObservation
 
 GALAXIES = Galaxies(
     l=np.array([1e-3, -4e-4]),

@@ -4,8 +4,8 @@ import pytest
 from uvshear.constants import ARCMIN, SPECTRAL_INDEX
 from uvshear.errors import InputError
 from uvshear.galaxy import DiscEllipticityPrior, SizeFluxRelation
-from uvshear.simulate.field import DiscField, SquareField
-from uvshear.simulate.population import (
+from uvshear.simulation.field import DiscField, SquareField
+from uvshear.simulation.population import (
     PAPER_DENSITY,
     Population,
     draw_population,

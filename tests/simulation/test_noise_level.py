@@ -10,7 +10,7 @@ from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.predict import predict_visibilities
-from uvshear.simulate.noise_level import noise_for_galaxy
+from uvshear.simulation.noise_level import noise_for_galaxy
 
 CHANNELS = Channels.from_band(0.95e9, 1.19e9, 2)
 
