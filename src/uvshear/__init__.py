@@ -1,7 +1,8 @@
 """Weak-lensing galaxy shapes and shear, measured directly from interferometric visibilities.
 
-``measure`` turns visibilities and a catalogue into shapes, ``estimate_shear`` shapes into shear. The objects that
-describe the measurement - facets, profiles, priors, layouts - live in the subpackages that bear their names.
+``simulate`` lets an array observe galaxies, ``measure`` turns visibilities and a catalogue into shapes,
+``estimate_shear`` shapes into shear. The objects that describe them - facets, profiles, priors, layouts - live in
+the subpackages that bear their names.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -9,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from uvshear.pipeline import MeasurementOptions, estimate_shear, measure
+    from uvshear.pipeline import MeasurementOptions, estimate_shear, measure, simulate
 
-__all__ = ["MeasurementOptions", "__version__", "estimate_shear", "measure"]
+__all__ = ["MeasurementOptions", "__version__", "estimate_shear", "measure", "simulate"]
 
 
 def __getattr__(name: str) -> Any:

@@ -39,14 +39,23 @@ from uvshear.galaxy import (
     SizePrior,
 )
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.coverage import synthesise
 from uvshear.interferometer.extent import Extent, measure_extent
 from uvshear.interferometer.facet import Facet
+from uvshear.interferometer.noise import Noise
+from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
 from uvshear.shear.mean import ShearEstimate, weighted_mean_shear
 from uvshear.shear.weight import lensfit_weight
+from uvshear.simulation.lensing import shear_galaxies
+from uvshear.simulation.noise_level import GalaxyNoise
+from uvshear.simulation.observation import SimulatedObservation
 from uvshear.typing import Array, Float, Int, Shaped
+
+Lens = Callable[[Galaxies, complex], Galaxies]
+"""What a reduced shear does to galaxies."""
 
 Progress = Callable[[int, int], None]
 """Called with what is done and what there is."""
@@ -99,6 +108,50 @@ class MeasurementOptions:
     def __post_init__(self) -> None:
         if self.rounds < 1:
             raise InputError(f"{self.rounds} rounds; one or more are needed")
+
+
+def simulate(
+    catalogue: Catalogue | Table,
+    plan: ObservingPlan,
+    *,
+    noise: Noise | GalaxyNoise | None = None,
+    shear: complex = 0j,
+    lens: Lens = shear_galaxies,
+    profile: Profile | None = None,
+    seed: int | None = 1,
+    threads: int = 1,
+) -> SimulatedObservation:
+    """Let an array observe the galaxies of a catalogue.
+
+    What comes back is an observation to be measured as it is; ``io.measurement_set_writer`` puts it into a
+    Measurement Set.
+
+    Parameters
+    ----------
+    noise
+        By SEFD (``StokesINoise``, ``CorrelationNoise``), given (``ScaledNoise``), or by its effect
+        (``GalaxyNoise``); the median galaxy of 10 uJy at a signal-to-noise ratio of 10 unless given.
+    shear, lens
+        Reduced shear of the galaxies, and what it does to them: ``shear_galaxies``, or the paper's
+        ``shear_at_fixed_scale_length``.
+    seed
+        Of the noise; None adds none and keeps the weights.
+    """
+    profile = profile or Exponential()
+    sources = catalogue_from_table(catalogue) if isinstance(catalogue, Table) else catalogue
+    galaxies = sources.galaxies(plan.track.phase_centre)
+    coverage = synthesise(plan.layout, plan.track)
+    noise = noise or GalaxyNoise()
+    if isinstance(noise, GalaxyNoise):
+        noise = noise.scaled_to(coverage, plan.channels, profile, threads)
+    return SimulatedObservation(
+        coverage=coverage,
+        channels=plan.channels,
+        galaxies=lens(galaxies, shear),
+        profile=profile,
+        noise=noise,
+        seed=seed,
+    )
 
 
 def measure(

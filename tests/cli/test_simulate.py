@@ -6,7 +6,9 @@ import pytest
 
 from uvshear.cli.simulate import parse_sefd
 from uvshear.errors import InputError
+from uvshear.galaxy import Galaxies, SizeFluxRelation
 from uvshear.io.measurement_set import MeasurementSet
+from uvshear.predict import predict_visibilities
 
 GOOD = "--declination-deg -30 --hours 1 --integration-s 600 --band-mhz 950 1190 --snr-at 10 50"
 
@@ -17,9 +19,16 @@ def test_a_field_is_simulated_with_its_phase_centre(field: Path) -> None:
     assert sum(len(chunk) for chunk in observation.chunks()) == 6 * 6  # baselines, samples
 
 
-def test_snr_at_is_the_point_sources_snr(field: Path) -> None:
-    weights = sum(float(chunk.weights.sum()) for chunk in MeasurementSet(field).chunks())
-    assert 10e-6 * np.sqrt(weights) == pytest.approx(50, rel=1e-5)
+def test_snr_at_is_that_of_the_round_median_galaxy(field: Path) -> None:
+    flux = np.array([10e-6])
+    zero = np.zeros(1)
+    size = SizeFluxRelation().median(flux)
+    galaxy = Galaxies(zero, zero, flux, size, zero.astype(complex), np.array([-0.7]))
+    power = 0.0
+    for chunk in MeasurementSet(field).chunks():
+        model = predict_visibilities(galaxy, chunk.uvw, chunk.frequency)
+        power += float(np.sum(chunk.weights * np.abs(model) ** 2))
+    assert np.sqrt(power) == pytest.approx(50, rel=1e-5)
 
 
 def test_hours_and_hour_angles_say_the_same(

@@ -10,7 +10,7 @@ from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.predict import predict_visibilities
-from uvshear.simulation.noise_level import noise_for_galaxy
+from uvshear.simulation.noise_level import GalaxyNoise
 
 CHANNELS = Channels.from_band(0.95e9, 1.19e9, 2)
 
@@ -24,7 +24,7 @@ def coverage():
 def test_the_matched_filter_of_the_median_galaxy_has_the_ratio_asked_for(coverage):
     """Measured over 400 noise draws; a sigma of the complex modulus instead of one part gives 14, not 10."""
     flux = np.array([20 * MICROJANSKY])
-    noise = noise_for_galaxy(coverage, CHANNELS, Exponential(), flux=float(flux[0]), snr=10.0)
+    noise = GalaxyNoise(float(flux[0]), 10.0).scaled_to(coverage, CHANNELS, Exponential())
     zero = np.zeros(1)
     size = SizeFluxRelation().median(flux)
     galaxy = Galaxies(zero, zero, flux, size, zero.astype(complex), np.array([-0.7]))

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from uvshear.geometry.directions import PhaseCentre
     from uvshear.interferometer.noise import Noise, Sefd
     from uvshear.io.catalogue import Catalogue
+    from uvshear.simulation.noise_level import GalaxyNoise
 
 EPILOG = (
     "Example: uvshear simulate --layout ska-mid-aa4 --catalogue CAT.fits --declination-deg -30 "
@@ -95,7 +96,9 @@ def simulate(
     snr_at: Annotated[
         Pair | None,
         typer.Option(
-            callback=positive_pair, metavar="UJY SNR", help="Noise by a point source's SNR."
+            callback=positive_pair,
+            metavar="UJY SNR",
+            help="Noise by the SNR of the median galaxy of a flux.",
         ),
     ] = None,
     sefd_jy: Annotated[
@@ -136,42 +139,34 @@ def simulate(
         pairs = [pair_of_numbers(text) for text in hour_angles or ()]
         ranges = tuple((start * 3600, stop * 3600) for start, stop in pairs)
 
-    from uvshear.constants import MICROJANSKY
-    from uvshear.interferometer.coverage import Track, synthesise
+    from uvshear.interferometer.coverage import Track
     from uvshear.interferometer.layout import load_layout
-    from uvshear.interferometer.noise import CorrelationNoise, ScaledNoise, StokesINoise
+    from uvshear.interferometer.plan import ObservingPlan
     from uvshear.interferometer.spectral_window import Channels
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.measurement_set_writer import write_measurement_set
     from uvshear.io.outputs import check_output
+    from uvshear.pipeline import simulate as simulate_observation
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
-    from uvshear.simulation.observation import SimulatedObservation
 
     check_output(output, overwrite=overwrite)
     sources = read_catalogue(catalogue)
-    antennas = load_layout(layout)
     centre = phase_centre_of(sources, ra_deg, declination_deg)
     limit = None if elevation_limit_deg is None else math.radians(elevation_limit_deg)
-    galaxies = sources.galaxies(centre)
-    lens = shear_at_fixed_scale_length if legacy_shear else shear_galaxies
-    galaxies = lens(galaxies, complex(*shear))
-    band = Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, channels)
-    coverage = synthesise(antennas, Track.from_clock(centre, ranges, integration_s, limit))
-    noise: Noise
-    if sefd is not None:
-        kind = StokesINoise if noise_on is NoiseOn.STOKES_I else CorrelationNoise
-        noise = kind(sefd, efficiency)
-    else:
-        flux_ujy, snr = snr_at or (10.0, 10.0)
-        samples = len(coverage) * len(band)
-        noise = ScaledNoise.from_point_source(flux_ujy * MICROJANSKY, snr, samples)
-    observation = SimulatedObservation(
-        coverage=coverage,
-        channels=band,
-        galaxies=galaxies,
+    plan = ObservingPlan(
+        load_layout(layout),
+        Track.from_clock(centre, ranges, integration_s, limit),
+        Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, channels),
+    )
+    observation = simulate_observation(
+        sources,
+        plan,
+        noise=_noise(sefd, efficiency, noise_on, snr_at or (10.0, 10.0)),
+        shear=complex(*shear),
+        lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
         profile=profile_of(profile),
-        noise=noise,
         seed=None if no_noise else seed,
+        threads=thread_count(threads),
     )
     with progress_bar("simulating") as progress:
         write_measurement_set(
@@ -181,7 +176,21 @@ def simulate(
             threads=thread_count(threads),
             progress=progress,
         )
-    say(f"{output}: {len(coverage)} rows, {len(band)} channels, {len(galaxies)} galaxies")
+    rows, sources_there = len(observation.coverage), len(observation.galaxies)
+    say(f"{output}: {rows} rows, {channels} channels, {sources_there} galaxies")
+
+
+def _noise(
+    sefd: "Sefd | None", efficiency: float, noise_on: NoiseOn, snr_at: Pair
+) -> "Noise | GalaxyNoise":
+    from uvshear.constants import MICROJANSKY
+    from uvshear.interferometer.noise import CorrelationNoise, StokesINoise
+    from uvshear.simulation.noise_level import GalaxyNoise
+
+    if sefd is None:
+        return GalaxyNoise(flux=snr_at[0] * MICROJANSKY, snr=snr_at[1])
+    kind = StokesINoise if noise_on is NoiseOn.STOKES_I else CorrelationNoise
+    return kind(sefd, efficiency)
 
 
 def phase_centre_of(

@@ -1,10 +1,11 @@
 """The noise at which a galaxy of a given flux has a given signal-to-noise ratio."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from uvshear.constants import SPECTRAL_INDEX
+from uvshear.constants import MICROJANSKY, SPECTRAL_INDEX
 from uvshear.galaxy import Galaxies, Profile, SizeFluxRelation
 from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.noise import ScaledNoise
@@ -15,33 +16,40 @@ ROWS = 1_000_000
 """Rows predicted at a time."""
 
 
-def noise_for_galaxy(
-    coverage: Coverage,
-    channels: Channels,
-    profile: Profile,
-    *,
-    flux: float,
-    snr: float,
-    threads: int = 1,
-) -> ScaledNoise:
-    r"""Scale the noise so that S sqrt<m, m> = ``snr`` with natural weights.
+@dataclass(frozen=True)
+class GalaxyNoise:
+    """Noise by what it makes of a galaxy.
 
-    .. math:: \sigma = \frac{1}{\mathrm{SNR}} \Big[\sum_k |V_k|^2\Big]^{1/2}
-
-    for a round galaxy of ``flux`` [Jy] and of the median size of its flux at the phase centre.
+    Parameters
+    ----------
+    flux
+        Of a round galaxy of the median size of its flux at the phase centre [Jy].
+    snr
+        Its S sqrt<m, m> with natural weights.
     """
-    fluxes = np.array([flux])
-    galaxy = Galaxies(
-        l=np.zeros(1),
-        m=np.zeros(1),
-        flux=fluxes,
-        scale_length=SizeFluxRelation().median(fluxes),
-        ellipticity=np.zeros(1, complex),
-        spectral_index=np.array([SPECTRAL_INDEX]),
-    )
-    power = 0.0
-    for start in range(0, len(coverage), ROWS):
-        uvw = coverage.uvw[start : start + ROWS]
-        vis = predict_visibilities(galaxy, uvw, channels.frequency, profile, threads)
-        power += float(np.sum(np.abs(vis) ** 2))
-    return ScaledNoise(math.sqrt(power) / snr)
+
+    flux: float = 10 * MICROJANSKY
+    snr: float = 10.0
+
+    def scaled_to(
+        self, coverage: Coverage, channels: Channels, profile: Profile, threads: int = 1
+    ) -> ScaledNoise:
+        r"""Return the noise that does it on these baselines.
+
+        .. math:: \sigma = \frac{1}{\mathrm{SNR}} \Big[\sum_k |V_k|^2\Big]^{1/2}
+        """
+        flux = np.array([self.flux])
+        galaxy = Galaxies(
+            l=np.zeros(1),
+            m=np.zeros(1),
+            flux=flux,
+            scale_length=SizeFluxRelation().median(flux),
+            ellipticity=np.zeros(1, complex),
+            spectral_index=np.array([SPECTRAL_INDEX]),
+        )
+        power = 0.0
+        for start in range(0, len(coverage), ROWS):
+            uvw = coverage.uvw[start : start + ROWS]
+            vis = predict_visibilities(galaxy, uvw, channels.frequency, profile, threads)
+            power += float(np.sum(np.abs(vis) ** 2))
+        return ScaledNoise(math.sqrt(power) / self.snr)
