@@ -74,7 +74,12 @@ def test_a_baseline_and_its_conjugate_are_one():
 
 @pytest.mark.parametrize(
     ("number", "alpha", "longest", "cells"),
-    [(38.0, 2e-6, 1e5, 16), (76.0, 2e-6, 1e5, 32), (38.0, 2e-6, 1.001e5, 16), (38.0, 5e-6, 9.99e5, 380)],
+    [
+        (38.0, 2e-6, 1e5, 16),
+        (76.0, 2e-6, 1e5, 32),
+        (38.0, 2e-6, 1.001e5, 16),
+        (38.0, 5e-6, 9.99e5, 380),
+    ],
 )
 def test_the_rule_by_scale_lengths(number, alpha, longest, cells):
     target = Target(galaxies(), alpha, UvRange(0.0, longest), 1.4e9)
@@ -116,7 +121,10 @@ def test_chunks_add_up_to_the_whole(pieces):
 def test_the_order_of_rows_does_not_matter():
     field = scene()
     shuffled = np.random.default_rng(1).permutation(len(field.seen))
-    a, b = (f.facet(CellAverageFacets()) for f in (field, replace(field, seen=part(field.seen, shuffled))))
+    a, b = (
+        f.facet(CellAverageFacets())
+        for f in (field, replace(field, seen=part(field.seen, shuffled)))
+    )
     np.testing.assert_allclose(a.power, b.power, rtol=1e-12)
     np.testing.assert_allclose(
         a.correlation, b.correlation, atol=1e-12 * np.abs(a.correlation).max()

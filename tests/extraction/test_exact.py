@@ -67,7 +67,7 @@ def test_channels_add_with_the_spectrum_of_the_source():
 def test_baselines_outside_the_uv_range_take_no_part():
     field = scene(uv_min=8e3)
     facet = field.facet(ExactFacets())
-    uvw = baselines_seen_from(short.uvw, field.galaxy.l[0], field.galaxy.m[0])
+    uvw = baselines_seen_from(field.seen.uvw, field.galaxy.l[0], field.galaxy.m[0])
     long = replace(field.seen, uvw=uvw).uv_distance >= 8e3
     assert 0.1 < long.mean() < 0.95
     unit = field.seen.stokes_i / field.galaxy.flux[0]

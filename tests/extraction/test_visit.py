@@ -56,7 +56,11 @@ def test_a_builder_without_a_member_is_a_mistake():
         gather_facets(
             _observation(1),
             SKY,
-            [ExactFacets().open(Target(SKY.select(slice(0, 1)), ALPHA, UvRange(0.0, 5e4), 1.4e9), PROFILE)],
+            [
+                ExactFacets().open(
+                    Target(SKY.select(slice(0, 1)), ALPHA, UvRange(0.0, 5e4), 1.4e9), PROFILE
+                )
+            ],
             np.array([0, 1]),
             PROFILE,
         )
