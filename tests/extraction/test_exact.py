@@ -12,7 +12,6 @@ from uvshear.extraction.exact import ExactFacets
 from uvshear.extraction.phase import baselines_seen_from
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import fit_galaxy
-from uvshear.predict import predict_visibilities
 
 PRIOR = ShapePrior(float(np.log(ALPHA)), 0.3)
 ELONGATED = -0.5 + 0.45j
@@ -42,15 +41,36 @@ def test_the_products_are_the_sums_over_visibilities(width, e, allowed):
     assert norm == pytest.approx(dirty.inner(seen.weights, unit, unit), rel=allowed)
 
 
+DL, DM = 0.6 * ALPHA, -0.3 * ALPHA
+
+
+def _displaced(e=0.3 - 0.2j):
+    """A galaxy at (DL, DM) from the centre of its facet."""
+    field = scene(e)
+    galaxy = field.target.galaxy
+    centre = replace(galaxy, l=galaxy.l - DL, m=galaxy.m - DM)
+    return replace(field, target=replace(field.target, galaxy=centre))
+
+
 def test_a_model_beside_the_centre_has_the_product_of_the_visibilities():
-    field = scene()
-    dl, dm = 0.6 * ALPHA, -0.3 * ALPHA  # which side: test_pipeline and the offsets of the rounds
-    beside = replace(field.galaxy, l=field.galaxy.l + dl, m=field.galaxy.m + dm, flux=np.ones(1))
-    model = predict_visibilities(beside, field.seen.uvw, field.seen.frequency, PROFILE)
-    expected = dirty.inner(field.seen.weights, field.seen.stokes_i, model)
-    got, _ = products(field.facet(ExactFacets()), field.galaxy, dl, dm)
-    # measured 4e-5; as if at the centre: 2e-2
-    assert got == pytest.approx(expected, rel=2e-4)
+    field = _displaced()
+    seen, unit = field.seen, field.seen.stokes_i / field.galaxy.flux[0]
+    facet = field.facet(ExactFacets())
+    expected = dirty.inner(seen.weights, seen.stokes_i, unit)
+    got, _ = products(facet, field.galaxy, DL, DM)
+    assert got == pytest.approx(expected, rel=2e-4)  # measured 3e-5
+    other, _ = products(facet, field.galaxy, -DL, -DM)
+    assert other < 0.95 * expected  # the other side of the centre, a facet conjugated: 0.925
+
+
+@pytest.mark.parametrize("known", [False, True])
+def test_a_displaced_galaxy_is_found_where_it_is(known):
+    field = _displaced()
+    fit = fit_galaxy(field.facet(ExactFacets(24), field.galaxy if known else None), PRIOR, PROFILE)
+    assert fit is not None
+    # measured 6e-4 and 1e-5 alpha, 2e-3 and 2e-6 in e; put back on the other side: 1
+    np.testing.assert_allclose(fit.offset, [DL, DM], atol=(1e-4 if known else 1e-2) * ALPHA)
+    assert abs(fit.ellipticity - (0.3 - 0.2j)) < (1e-4 if known else 1e-2)
 
 
 def test_channels_add_with_the_spectrum_of_the_source():
