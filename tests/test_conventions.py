@@ -41,7 +41,9 @@ def test_uvw_points_from_antenna_2_to_antenna_1():
     east = np.array([-np.sin(layout.longitude), np.cos(layout.longitude), 0.0])
     # at transit u is the distance to the East: X(ANTENNA1) - X(ANTENNA2)
     u = (first - second) @ east
-    np.testing.assert_allclose(coverage.uvw[: len(u), 0], u, atol=20.0)  # of 11 km; hour angle 3e-4
+    np.testing.assert_allclose(
+        coverage.uvw[: len(u), 0], u, rtol=0, atol=20.0
+    )  # of 11 km; hour angle 3e-4
     assert np.corrcoef(coverage.uvw[: len(u), 0], u)[0, 1] > 0.9999
 
 
@@ -64,7 +66,7 @@ def _second_moments(e, alpha=3 * ARCSEC):
 def test_the_long_axis_lies_along_half_the_argument_of_e(e, angle):
     values, vectors = np.linalg.eigh(_second_moments(e))
     long = np.degrees(np.arctan2(vectors[1, 1], vectors[0, 1])) % 180
-    assert abs((long - angle + 90) % 180 - 90) < 3  # measured 1.2
+    assert abs((long - angle + 90) % 180 - 90) < 3  # measured 1.4
     assert values[1] > 1.5 * values[0]
 
 
@@ -138,6 +140,6 @@ def test_the_envelope_knows_no_order_of_conjugate_baselines():
     uvw = random_baselines(20, 5e3)
     sky = galaxies(0.004, -0.003, e=0.3 + 0.2j)
     there, back = (predict_visibilities(sky, sign * uvw, L_BAND) for sign in (1, -1))
-    np.testing.assert_allclose(there, back.conj(), atol=1e-12)
+    np.testing.assert_allclose(there, back.conj(), rtol=0, atol=1e-12)
     turned = replace(sky, ellipticity=-sky.ellipticity)
     assert not np.allclose(predict_visibilities(turned, uvw, L_BAND), there, atol=1e-3)

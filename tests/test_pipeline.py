@@ -149,7 +149,7 @@ def test_chunks_do_not_matter(shapes):
     other = measure(field.observation, field.catalogue, OPTIONS)
     for name in ("e1", "e2", "e_sigma"):
         # measured 1.2e-5, 5e-4 sigma: the gridder's epsilon and single precision. A lost chunk: 1 sigma
-        np.testing.assert_allclose(other[name], shapes[name], atol=5e-5)
+        np.testing.assert_allclose(other[name], shapes[name], rtol=0, atol=5e-5)
 
 
 def test_the_order_of_the_catalogue_does_not_matter(field, shapes):
@@ -165,8 +165,8 @@ def test_short_baselines_cut_change_shapes_but_not_the_natural_snr(field, shapes
     row, whole = cut[GOOD], shapes[GOOD]
     assert np.all(row["e1"] != whole["e1"])
     assert np.all(row["e_sigma"] > whole["e_sigma"])
-    # measured 1 per cent; the weights of what is left alone: 0.6
-    np.testing.assert_allclose(row["snr"], whole["snr"], rtol=0.06)
+    # measured 0.4 per cent: another shape fitted
+    np.testing.assert_allclose(row["snr"], whole["snr"], rtol=0.02)
 
 
 def test_progress_ends_where_it_said(field):

@@ -69,7 +69,7 @@ def test_a_displaced_galaxy_is_found_where_it_is(known):
     fit = fit_galaxy(field.facet(ExactFacets(24), field.galaxy if known else None), PRIOR, PROFILE)
     assert fit is not None
     # measured 6e-4 and 1e-5 alpha, 2e-3 and 2e-6 in e; put back on the other side: 1
-    np.testing.assert_allclose(fit.offset, [DL, DM], atol=(1e-4 if known else 1e-2) * ALPHA)
+    np.testing.assert_allclose(fit.offset, [DL, DM], rtol=0, atol=(1e-4 if known else 1e-2) * ALPHA)
     assert abs(fit.ellipticity - (0.3 - 0.2j)) < (1e-4 if known else 1e-2)
 
 
@@ -92,7 +92,7 @@ def test_baselines_outside_the_uv_range_take_no_part():
     assert 0.1 < long.mean() < 0.95
     unit = field.seen.stokes_i / field.galaxy.flux[0]
     _, norm = products(facet, field.galaxy)
-    # measured 5e-5: the hole in the cells is as sharp as the facet is wide. Nothing cut: 0.5
+    # measured 1e-5. Nothing cut: 2
     assert norm == pytest.approx(dirty.inner(field.seen.weights * long, unit, unit), rel=1e-3)
 
 
@@ -131,7 +131,7 @@ def test_the_power_of_a_round_before_serves_the_next():
     again, afresh = builder.facet(field.galaxy), field.facet(ExactFacets(), field.galaxy)
     np.testing.assert_array_equal(again.power, first.power)
     np.testing.assert_allclose(
-        again.correlation, afresh.correlation, atol=1e-12 * np.abs(afresh.correlation).max()
+        again.correlation, afresh.correlation, rtol=0, atol=1e-12 * np.abs(afresh.correlation).max()
     )
 
 
@@ -140,7 +140,7 @@ def test_chunks_add_up_to_the_whole(pieces):
     field = scene()
     model = replace(field.galaxy, flux=0.7 * field.galaxy.flux)
     whole, chunked = (field.facet(ExactFacets(), model, n) for n in (1, pieces))
-    # measured 3e-6: single precision and the gridder's epsilon, in the residual alone
+    # measured 5e-7: single precision and the gridder's epsilon, in the residual alone
     for name in ("correlation", "power"):
         a, b = getattr(whole, name), getattr(chunked, name)
         assert np.linalg.norm(a - b) < 2e-5 * np.linalg.norm(a)
@@ -152,7 +152,7 @@ def test_the_order_of_rows_does_not_matter():
     shuffled = np.random.default_rng(1).permutation(len(field.seen))
     other = replace(field, seen=part(field.seen, shuffled))
     a, b = (f.facet(ExactFacets()) for f in (field, other))
-    # measured 4e-7
+    # measured 7e-7
     assert np.linalg.norm(a.correlation - b.correlation) < 2e-5 * np.linalg.norm(a.correlation)
     assert np.linalg.norm(a.power - b.power) < 2e-5 * np.linalg.norm(a.power)
 

@@ -13,7 +13,7 @@ ENVELOPES = {"exponential": lambda q: (1 + q) ** -1.5, "gaussian": lambda q: np.
 
 TOLERANCES = [
     # dtype, error of <d, m> over its own deviation sqrt<m, m> at SNR 100, relative error of <m, m>
-    (np.float32, 1e-4, 1e-6),  # measured 3e-5, 7e-8: ln L = h^2/2N to 3e-3
+    (np.float32, 1e-4, 1e-6),  # measured 5e-5, 3e-7: ln L = h^2/2N to 5e-3
     (np.float64, 1e-10, 1e-13),  # measured 4e-13, 2e-15
 ]
 
@@ -84,8 +84,7 @@ def test_normal_sums_are_those_of_the_models_derivatives(dtype, allowed, kind):
             [np.sum(power * model() ** 2 * xy[i] * xy[j]) for i, j in ((0, 0), (0, 1), (1, 1))],
         ]
     )
-    # measured 1e-6 and 1e-9 of the greatest
-    np.testing.assert_allclose(sums, expected, atol=allowed * np.abs(expected).max())
+    np.testing.assert_allclose(sums, expected, rtol=0, atol=allowed * np.abs(expected).max())
 
 
 def test_units_cancel_in_what_comes_out():

@@ -46,7 +46,7 @@ def test_the_gradient_is_that_of_finite_differences(kind, away):
 
     step, pixel = 1e-5, 1e-5 * correlator.length
     expected = [slope(step), slope(1j * step), slope(0j, step)]
-    # measured 2e-7; a response left out: 1
+    # a response left out: 1
     np.testing.assert_allclose(state.gradient[1:], expected, rtol=1e-5, atol=1e-4)
     pull = [slope(dx=(pixel, 0.0)), slope(dx=(0.0, pixel))]
     np.testing.assert_allclose(state.pull, pull, rtol=1e-5, atol=1e-4)
@@ -82,8 +82,8 @@ def test_the_fisher_matrix_is_the_curvature_without_noise(kind):
                 - at(e_j - e_i, a_j - a_i)
                 + at(-e_i - e_j, -a_i - a_j)
             ) / (4 * step**2)
-    # measured 1e-5; a missing factor 2 or the prior of the size left out (11 of 1e3): 1e-2
-    np.testing.assert_allclose(schur, -curvature, atol=2e-4 * np.abs(curvature).max())
+    # a missing factor 2 or the prior of the size left out (11 of 1e3): 1e-2
+    np.testing.assert_allclose(schur, -curvature, rtol=0, atol=2e-4 * np.abs(curvature).max())
 
 
 @pytest.mark.parametrize("profile", [Exponential(), Gaussian()], ids=["exponential", "gaussian"])
@@ -96,7 +96,7 @@ def test_without_noise_the_maximum_is_the_truth(profile, e, displaced):
     facet, galaxy = noise_free(e, l=l, m=m, snr=3000.0, profile=profile)
     fit = fit_galaxy(facet, replace(PRIOR, position_radius=1.5 * ALPHA), profile)
     assert fit is not None
-    # measured 5e-5 at most
+    # measured 3e-5 at most
     assert abs(fit.ellipticity - e) < 1e-4
     assert np.hypot(fit.offset[0] - l, fit.offset[1] - m) < 1e-4 * ALPHA
     assert fit.scale_length == pytest.approx(ALPHA, rel=3e-4)
@@ -139,13 +139,10 @@ def test_a_fit_drawn_away_by_a_neighbour_is_flagged():
     assert shape.flag is FitFlag.OFF_POSITION
 
 
-@pytest.mark.xfail(
-    reason="the climb leaves the prior of the position, and a sky model takes the neighbour's galaxy"
-)
 def test_a_sky_model_does_not_take_a_galaxy_from_beyond_the_prior():
     facet = _with_neighbour(10 * ALPHA, -3 * ALPHA, 3.0)
     fit = fit_galaxy(facet, replace(PRIOR, position_radius=2 * ALPHA), EXPONENTIAL)
-    assert fit is None or np.hypot(*fit.offset) < 3 * ALPHA  # measured 10.4
+    assert fit is None  # the climb ends at 10.4 alpha
 
 
 def test_a_start_is_climbed_from():
