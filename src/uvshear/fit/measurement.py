@@ -20,7 +20,7 @@ class FitFlag(Enum):
     NO_DATA = "no visibility within the uv range carries weight"
     NO_PEAK = "the data do not correlate with a galaxy at this position: no positive flux fits"
     OFF_POSITION = "the best position is outside the prior on the position"
-    NOT_CONVERGED = "the maximum of the likelihood was not found"
+    NOT_CONVERGED = "the maximum of the likelihood, or the extent of the posterior, was not found"
 
     @property
     def word(self) -> str:
@@ -66,7 +66,7 @@ class ShapeMeasurement:
     snr
         Flux over its error at fixed shape, S sqrt(<m, m>).
     best
-        The most likely galaxy; None where nothing was measured.
+        The most likely galaxy; None unless the flag is OK.
     """
 
     ellipticity: Float[Array, " 2"]

@@ -20,12 +20,14 @@ FLOAT32_SNR = 300.0
 def fit_galaxy(
     facet: Facet, prior: ShapePrior, profile: Profile, start: GalaxyFit | None = None
 ) -> GalaxyFit | None:
-    """Most likely galaxy, for a sky model: a few milliseconds. None where nothing can be fitted."""
+    """Most likely galaxy, for a sky model: a few milliseconds. None where nothing good was found."""
     if not _has_data(facet):
         return None
     correlator = Correlator(facet, profile)
     best = maximise_likelihood(correlator, prior, start)
-    return None if best is None else _galaxy(best, correlator)
+    if best is None or _judge(best, correlator, prior) is not FitFlag.OK:
+        return None
+    return _galaxy(best, correlator)
 
 
 def measure_shape(
@@ -42,7 +44,8 @@ def measure_shape(
         correlator = Correlator(facet, profile, np.float64)
         best = maximise_likelihood(correlator, prior, _galaxy(best, correlator)) or best
     samples = sample_posterior(correlator, prior, best)
-    return _summarise(samples, correlator, best, _judge(best, correlator, prior))
+    flag = _judge(best, correlator, prior) if samples.is_covered else FitFlag.NOT_CONVERGED
+    return _summarise(samples, correlator, best, flag)
 
 
 def _galaxy(best: BestFit, correlator: Correlator) -> GalaxyFit:
@@ -96,7 +99,7 @@ def _summarise(
         offset=offset * correlator.length,
         offset_err=np.sqrt(offset_variance) * correlator.length,
         snr=float(flux[0] * math.sqrt(p @ given.norm)),
-        best=_galaxy(best, correlator),
+        best=_galaxy(best, correlator) if flag is FitFlag.OK else None,
         flag=flag,
     )
 

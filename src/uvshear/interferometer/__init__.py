@@ -4,3 +4,24 @@
 Stokes I out of correlations. ``visibilities`` and ``facet`` are the containers that the rest of the package
 passes round.
 """
+
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.coverage import Track, synthesise
+from uvshear.interferometer.layout import ArrayLayout, known_layouts, load_layout
+from uvshear.interferometer.plan import ObservingPlan
+from uvshear.interferometer.spectral_window import Channels
+from uvshear.interferometer.visibilities import Observation, Visibilities, VisibilitySet
+
+__all__ = [
+    "ArrayLayout",
+    "Channels",
+    "Observation",
+    "ObservingPlan",
+    "PhaseCentre",
+    "Track",
+    "Visibilities",
+    "VisibilitySet",
+    "known_layouts",
+    "load_layout",
+    "synthesise",
+]
