@@ -31,7 +31,7 @@ from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.pipeline import MeasurementOptions
+from uvshear.measurement import MeasurementOptions
 from uvshear.predict import predict_visibilities
 from uvshear.shear.slope import fit_slope
 from uvshear.simulation.field import DiscField

@@ -15,7 +15,7 @@ from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.stokes import stokes_i
 from uvshear.io.catalogue import catalogue_from_table
-from uvshear.pipeline import MeasurementOptions
+from uvshear.measurement import MeasurementOptions
 from uvshear.predict import predict_visibilities
 
 WAVELENGTH = SPEED_OF_LIGHT / L_BAND[0]

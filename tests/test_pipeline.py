@@ -18,7 +18,8 @@ from uvshear.geometry.directions import PhaseCentre, equatorial
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.catalogue import Catalogue
 from uvshear.io.shapes import COLUMNS
-from uvshear.pipeline import MeasurementOptions, estimate_shear, measure
+from uvshear.measurement import MeasurementOptions
+from uvshear.pipeline import estimate_shear, measure
 from uvshear.predict import predict_visibilities
 from uvshear.shear.weight import lensfit_weight
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from uvshear.pipeline import MeasurementOptions, estimate_shear, measure, simulate
+    from uvshear.measurement import MeasurementOptions
+    from uvshear.pipeline import estimate_shear, measure, simulate
 
 __all__ = ["MeasurementOptions", "__version__", "estimate_shear", "measure", "simulate"]
 

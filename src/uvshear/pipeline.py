@@ -2,112 +2,44 @@
 
 1. Read the observation once: how long are its baselines, is there anything (``interferometer.extent``).
 2. Begin with a sky of round galaxies of the catalogue's fluxes and of median size.
-3. In decreasing flux, side by side where they are far apart (``extraction.schedule``): subtract everything
-   modelled, gather the facet of a source (``extraction.visit``), put its own model back, fit it (``fit``), and let
+3. In decreasing flux, side by side where they are far apart (``measurement.sweep``): subtract everything
+   modelled, gather the facet of a source (``extraction``), put its own model back, fit it (``fit``), and let
    the fitted galaxy replace the round one in the sky.
 4. Again, with the better sky; in the last round sample the posterior of the ellipticity.
 5. Turn ellipticities into shear (``shear``).
 """
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from dataclasses import replace
 
 import numpy as np
 from astropy.table import Table
 
-from uvshear.constants import ARCSEC, REFERENCE_FREQUENCY
+from uvshear.constants import REFERENCE_FREQUENCY
 from uvshear.errors import InputError
-from uvshear.extraction.exact import ExactFacets
-from uvshear.extraction.facets import FacetMethod, Target, UvRange
-from uvshear.extraction.natural import natural_norms
-from uvshear.extraction.schedule import fitting_levels
-from uvshear.extraction.visit import gather_facets
-from uvshear.fit.measurement import FitFlag, GalaxyFit, ShapeMeasurement
-from uvshear.fit.prior import ShapePrior
-from uvshear.fit.shape import fit_galaxy, measure_shape
+from uvshear.fit.measurement import FitFlag, ShapeMeasurement
 from uvshear.galaxy import (
-    DiscEllipticityPrior,
-    EllipticityPrior,
     Exponential,
-    FlatEllipticityPrior,
     Galaxies,
     Profile,
-    SizeFluxRelation,
-    SizeModel,
-    SizePrior,
 )
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import synthesise
 from uvshear.interferometer.extent import Extent, measure_extent
-from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.noise import Noise
 from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
+from uvshear.measurement import Field, MeasurementOptions, Progress, Sweep
 from uvshear.shear.mean import ShearEstimate, weighted_mean_shear
 from uvshear.shear.weight import lensfit_weight
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.observation import SimulatedObservation
-from uvshear.typing import Array, Float, Int, Shaped
 
 Lens = Callable[[Galaxies, complex], Galaxies]
 """What a reduced shear does to galaxies."""
-
-Progress = Callable[[int, int], None]
-"""Called with what is done and what there is."""
-
-FACETS_AT_A_TIME = 64
-
-
-@dataclass(frozen=True)
-class MeasurementOptions:
-    """How to measure; every alternative is an object, and may be one of the user's own.
-
-    Parameters
-    ----------
-    facet
-        Way of making facets: ``ExactFacets`` or ``CellAverageFacets``.
-    profile
-        Brightness profile fitted.
-    size
-        Source of the prior on the scale length.
-    ellipticity
-        Prior of the posterior mean; flat over |e| < 0.95 unless given.
-    population
-        Distribution of intrinsic ellipticities, for the weights.
-    uv_range
-        Baselines that take part in the shape.
-    position_radius
-        Radius of the uniform prior on the position [rad]; None stands for one width of the correlation's peak.
-    rounds
-        Passes over the sources.
-    separation
-        Sources closer than this are fitted one after the other, the brighter first [rad].
-    field_radius
-        Sources farther from the phase centre are flagged and left alone [rad].
-    threads
-        Results do not depend on it.
-    """
-
-    facet: FacetMethod = field(default_factory=ExactFacets)
-    profile: Profile = field(default_factory=Exponential)
-    size: SizeModel = field(default_factory=SizeFluxRelation)
-    ellipticity: EllipticityPrior = field(default_factory=FlatEllipticityPrior)
-    population: EllipticityPrior = field(default_factory=DiscEllipticityPrior)
-    uv_range: UvRange = field(default_factory=UvRange)
-    position_radius: float | None = None
-    rounds: int = 2
-    separation: float = 60 * ARCSEC
-    field_radius: float = np.radians(5.0)
-    threads: int = 1
-
-    def __post_init__(self) -> None:
-        if self.rounds < 1:
-            raise InputError(f"{self.rounds} rounds; one or more are needed")
 
 
 def simulate(
@@ -170,7 +102,7 @@ def measure(
     sources = catalogue_from_table(catalogue) if isinstance(catalogue, Table) else catalogue
     extent = measure_extent(observation)
     field = _prepare(sources, observation.phase_centre, extent, options)
-    sweep = _Sweep(observation, field, options, progress)
+    sweep = Sweep(observation, field, options, progress)
     for _ in range(options.rounds - 1):
         sweep.improve_sky()
     measurements = sweep.measure_shapes()
@@ -186,28 +118,9 @@ def estimate_shear(shapes: Table, *, snr_min: float = 0.0, seed: int = 1) -> She
     return weighted_mean_shear(e[bright], weight[bright], rng)
 
 
-@dataclass(frozen=True)
-class _Field:
-    """The sources as a measurement sees them; those that cannot be measured have a flag other than OK."""
-
-    l: Float[Array, " source"]
-    m: Float[Array, " source"]
-    sky: Galaxies
-    size: SizePrior
-    modelled: Int[Array, " member"]
-    flags: Shaped[Array, " source"]
-    uv_range: UvRange
-    extent: Extent
-
-    @property
-    def measured(self) -> Int[Array, " member"]:
-        """Sources to be fitted, as indices of the catalogue."""
-        return np.flatnonzero(self.flags == FitFlag.OK)
-
-
 def _prepare(
     sources: Catalogue, phase_centre: PhaseCentre, extent: Extent, options: MeasurementOptions
-) -> _Field:
+) -> Field:
     l, m, n = sources.directions(phase_centre)
     flags = np.full(len(sources), FitFlag.OK, dtype=object)
     if sources.scale_length is not None:
@@ -232,165 +145,19 @@ def _prepare(
         spectral_index=sources.spectral_index,
         reference_frequency=sources.reference_frequency,
     )
+    if options.uv_range.minimum >= extent.longest:
+        raise InputError(
+            f"the shortest baseline asked for is {options.uv_range.minimum:g} wavelengths and the longest there is"
+            f" {extent.longest:.4g}; a wider uv range is needed"
+        )
     longest = min(options.uv_range.maximum, extent.longest)
     uv_range = replace(options.uv_range, maximum=longest)
-    return _Field(l, m, sky, size, np.flatnonzero(is_modelled), flags, uv_range, extent)
-
-
-Result = TypeVar("Result")
-
-
-class _Sweep:
-    """Passes over the sources in decreasing flux; the sky improves with every fit."""
-
-    def __init__(
-        self,
-        observation: Observation,
-        field: _Field,
-        options: MeasurementOptions,
-        progress: Progress | None,
-    ) -> None:
-        self._observation, self._field, self._options = observation, field, options
-        self._progress = progress
-        measured = field.measured
-        lm = np.column_stack([field.l, field.m])[measured]
-        levels = fitting_levels(lm, field.sky.flux[measured], options.separation)
-        self._batches = [
-            measured[level[first : first + FACETS_AT_A_TIME]]
-            for level in levels
-            for first in range(0, len(level), FACETS_AT_A_TIME)
-        ]
-        self._sky = field.sky
-        self._power: dict[int, Float[Array, " cell"]] = {}
-        self._fits: dict[int, GalaxyFit] = {}
-        self._rows_done = 0
-
-    def improve_sky(self) -> None:
-        """Fit every source once for the sky model."""
-        for batch in self._batches:
-            facets = self._facets(batch)
-            fits = self._side_by_side(
-                lambda source, facet: fit_galaxy(
-                    facet, self._prior(source), self._options.profile, self._fits.get(source)
-                ),
-                batch,
-                facets,
-            )
-            self._update(batch, fits)
-
-    def measure_shapes(self) -> dict[int, ShapeMeasurement]:
-        """Fit every source once more, and sample the posterior of its ellipticity."""
-        measurements: dict[int, ShapeMeasurement] = {}
-        for batch in self._batches:
-            facets = self._facets(batch)
-            results = self._side_by_side(
-                lambda source, facet: measure_shape(
-                    facet, self._prior(source), self._options.profile, self._fits.get(source)
-                ),
-                batch,
-                facets,
-            )
-            measurements.update(zip(batch.tolist(), results, strict=True))
-            self._update(batch, [result.best for result in results])
-        return self._with_natural_snr(measurements)
-
-    def _facets(self, batch: Int[Array, " member"]) -> list[Facet]:
-        field, options = self._field, self._options
-        builders = [
-            options.facet.open(self._target(source), options.profile, self._power.get(source))
-            for source in batch.tolist()
-        ]
-        sky = self._sky.select(field.modelled)
-        members = np.searchsorted(field.modelled, batch)
-        gather_facets(
-            self._observation,
-            sky,
-            builders,
-            members,
-            options.profile,
-            threads=options.threads,
-            on_chunk=self._report,
-        )
-        facets = [
-            builder.facet(self._sky.select(np.array([source])))
-            for source, builder in zip(batch, builders, strict=True)
-        ]
-        for source, facet in zip(batch.tolist(), facets, strict=True):
-            self._power[source] = facet.power
-        return facets
-
-    def _target(self, source: int) -> Target:
-        field = self._field
-        return Target(
-            galaxy=field.sky.select(np.array([source])),
-            scale_length=float(np.exp(field.size.log_median[source])),
-            uv_range=field.uv_range,
-            frequency=field.extent.frequency,
-            half_width=fit.half_width if (fit := self._fits.get(source)) else 0.0,
-        )
-
-    def _prior(self, source: int) -> ShapePrior:
-        size, options = self._field.size, self._options
-        return ShapePrior(
-            log_scale_length=float(size.log_median[source]),
-            log_scale_length_sigma=float(size.sigma[source]),
-            position_radius=options.position_radius,
-            ellipticity=options.ellipticity,
-        )
-
-    def _side_by_side(
-        self,
-        fit: Callable[[int, Facet], Result],
-        batch: Int[Array, " member"],
-        facets: list[Facet],
-    ) -> list[Result]:
-        with ThreadPoolExecutor(self._options.threads) as pool:
-            return list(pool.map(fit, batch.tolist(), facets))
-
-    def _update(self, batch: Int[Array, " member"], fits: list[GalaxyFit | None]) -> None:
-        """Let fitted galaxies replace what stood in the sky; a source that was not fitted stays as it was."""
-        sky, field = self._sky, self._field
-        l, m, flux = sky.l.copy(), sky.m.copy(), sky.flux.copy()
-        scale_length, ellipticity = sky.scale_length.copy(), sky.ellipticity.copy()
-        for source, fit in zip(batch.tolist(), fits, strict=True):
-            if fit is None:
-                continue
-            self._fits[source] = fit
-            l[source] = field.l[source] + fit.offset[0]
-            m[source] = field.m[source] + fit.offset[1]
-            flux[source], scale_length[source] = fit.flux, fit.scale_length
-            ellipticity[source] = fit.ellipticity
-        self._sky = replace(
-            sky, l=l, m=m, flux=flux, scale_length=scale_length, ellipticity=ellipticity
-        )
-
-    def _with_natural_snr(
-        self, measurements: dict[int, ShapeMeasurement]
-    ) -> dict[int, ShapeMeasurement]:
-        """Quote the signal-to-noise ratio of natural weights, whatever baselines the shape was taken from."""
-        if self._options.uv_range.is_everything or not measurements:
-            return measurements
-        order = np.array(list(measurements))
-        norms = natural_norms(
-            self._observation, self._sky.select(order), self._options.profile, self._options.threads
-        )
-        return {
-            source: replace(
-                measurements[source], snr=measurements[source].flux * float(np.sqrt(norm))
-            )
-            for source, norm in zip(order.tolist(), norms, strict=True)
-        }
-
-    def _report(self, rows: int) -> None:
-        self._rows_done += rows
-        if self._progress is not None:
-            visits = self._options.rounds * len(self._batches)
-            self._progress(self._rows_done, visits * self._field.extent.rows)
+    return Field(l, m, sky, size, np.flatnonzero(is_modelled), flags, uv_range, extent)
 
 
 def _tabulate(
     sources: Catalogue,
-    field: _Field,
+    field: Field,
     measurements: dict[int, ShapeMeasurement],
     phase_centre: PhaseCentre,
     options: MeasurementOptions,

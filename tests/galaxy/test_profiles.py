@@ -73,3 +73,10 @@ def test_magnification_multiplies_scale_length_and_flux_as_galsim_lenses(profile
 def test_a_profile_is_immutable():
     with pytest.raises(FrozenInstanceError):
         Exponential().scale = 1.0
+
+
+@pytest.mark.parametrize("profile", [Exponential(), Gaussian()])
+def test_an_array_of_any_shape_keeps_it(profile):
+    q = np.linspace(0, 3, 12)
+    for function in (profile.envelope, profile.envelope_slope):
+        np.testing.assert_array_equal(function(q.reshape(3, 4)), function(q).reshape(3, 4))

@@ -97,7 +97,7 @@ def measure(
     from uvshear.io.outputs import check_output
     from uvshear.io.shapes import write_shapes
     from uvshear.io.tables import check_table_name
-    from uvshear.pipeline import MeasurementOptions
+    from uvshear.measurement import MeasurementOptions
     from uvshear.pipeline import measure as measure_shapes
 
     check_table_name(output)

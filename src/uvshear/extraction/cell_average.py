@@ -57,7 +57,11 @@ class PaperTable(CellRule):
         """Cells per side."""
         flux = float(target.galaxy.flux[0])
         return next(
-            (size for edge, size in zip(self.edges, self.sizes, strict=False) if flux >= edge),
+            (
+                size
+                for edge, size in zip(self.edges, self.sizes, strict=False)
+                if flux >= edge * (1 - 1e-9)
+            ),
             self.sizes[-1],
         )
 

@@ -104,7 +104,7 @@ class Correlator:
         x, y = self._x[cells], self._y[cells]
         q = np.empty((len(forms), x.size), x.dtype)
         kernels.quadratics(x, y, forms, q)
-        return self.profile.envelope(q.ravel()).reshape(q.shape)
+        return self.profile.envelope(q)
 
     def normal_sums(
         self, form: Float[Array, " 3"], derivatives: Float[Array, "3 3"]

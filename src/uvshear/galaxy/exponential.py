@@ -25,10 +25,10 @@ class Exponential(Profile):
     GalSim's ``shear``; a magnification mu multiplies alpha by sqrt(mu) and the flux by mu besides.
     """
 
-    def envelope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
+    def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Fourier transform at ``q`` >= 0."""
-        return kernels.exponential_envelope(q)
+        return kernels.exponential_envelope(q.ravel()).reshape(q.shape)
 
-    def envelope_slope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
+    def envelope_slope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Differentiate the envelope with respect to q."""
-        return kernels.exponential_slope(q)
+        return kernels.exponential_slope(q.ravel()).reshape(q.shape)

@@ -19,10 +19,10 @@ class Gaussian(Profile):
     acts on it as on :class:`~uvshear.galaxy.exponential.Exponential`, at unit magnification.
     """
 
-    def envelope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
+    def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Fourier transform at ``q`` >= 0."""
-        return kernels.gaussian_envelope(q)
+        return kernels.gaussian_envelope(q.ravel()).reshape(q.shape)
 
-    def envelope_slope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
+    def envelope_slope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Differentiate the envelope with respect to q."""
-        return kernels.gaussian_slope(q)
+        return kernels.gaussian_slope(q.ravel()).reshape(q.shape)

@@ -19,10 +19,10 @@ class Profile(ABC):
     """
 
     @abstractmethod
-    def envelope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
+    def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Fourier transform at ``q`` >= 0; 1 at 0, of the dtype of ``q``."""
 
-    def envelope_slope(self, q: Float[Array, " cell"]) -> Float[Array, " cell"]:
+    def envelope_slope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Return the envelope's derivative with respect to q; central differences unless overridden."""
         step = 1e-4 * (1 + q)
         ahead, behind = q + step, np.maximum(q - step, 0)
