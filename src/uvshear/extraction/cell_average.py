@@ -103,7 +103,8 @@ class _CellAverageBuilder(FacetBuilder):
                 for b in baselines[:, :2].T * frequency[chan] / SPEED_OF_LIGHT
             )
             distance = np.hypot(u, v)
-            inside = (distance >= uv_range.minimum) & (distance <= uv_range.maximum)
+            longest = self._target.informative_uv_max
+            inside = (distance >= uv_range.minimum) & (distance <= longest)
             weights = residual.weights[:, chan] * inside
             add_to_cells(u, v, vis[:, chan], weights, gain, self._cell, self._sums, self._power)
 

@@ -32,10 +32,6 @@ from uvshear.typing import Array, Bool, Float
 OVERSAMPLING = 1.2
 """Nyquist frequency of the facet's pixels over the longest baseline in it."""
 
-INFORMATIVE = 2.5
-"""Baselines beyond this over the median scale length are left out: |V|^2 is 7e-8 there for the median galaxy,
-4e-6 for one half as large."""
-
 WIDEST = 3.8
 """A facet grows to this many times its first width at most, 1.25^6."""
 
@@ -58,7 +54,7 @@ class ExactFacets(FacetMethod):
         power: Float[Array, " cell"] | None = None,
     ) -> FacetBuilder:
         """Begin the facet of one source."""
-        uv_max = min(target.uv_range.maximum, INFORMATIVE / target.scale_length)
+        uv_max = target.informative_uv_max
         pixel = 1 / (2 * OVERSAMPLING * uv_max)
         grid = ImageGrid(_even_fast_size(self._width(target) / pixel), pixel)
         band = UvRange(target.uv_range.minimum, uv_max)

@@ -8,6 +8,10 @@ from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Visibilities
 from uvshear.typing import Array, Float
 
+INFORMATIVE = 2.5
+"""Baselines beyond this over the median scale length are left out: |V|^2 is 7e-8 there for the median galaxy,
+4e-6 for one half as large."""
+
 
 @dataclass(frozen=True)
 class UvRange:
@@ -45,6 +49,11 @@ class Target:
     uv_range: UvRange
     frequency: float
     half_width: float = 0.0
+
+    @property
+    def informative_uv_max(self) -> float:
+        """Longest baseline that tells anything of the source [wavelengths]."""
+        return min(self.uv_range.maximum, INFORMATIVE / self.scale_length)
 
 
 class FacetBuilder(ABC):
