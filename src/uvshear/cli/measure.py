@@ -17,7 +17,7 @@ from uvshear.cli.options import (
     thread_count,
 )
 from uvshear.cli.profiles import ProfileName, profile_of
-from uvshear.cli.terminal import progress_bar, say
+from uvshear.cli.terminal import progress_bar, say, warn
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
@@ -95,6 +95,7 @@ def measure(
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.observations import open_observation
     from uvshear.io.outputs import check_output
+    from uvshear.io.remarks import remarks_on
     from uvshear.io.shapes import write_shapes
     from uvshear.io.tables import check_table_name
     from uvshear.measurement import MeasurementOptions
@@ -121,6 +122,9 @@ def measure(
         shapes = measure_shapes(observation, sources, options, progress=progress)
     shapes.meta.update(provenance(context, *measurement_sets, catalogue).metadata())
     write_shapes(output, shapes, overwrite=overwrite)
+    for path in measurement_sets:
+        for remark in remarks_on(path, column, _field(field)):
+            warn(remark)
     measured = sum(flag == "ok" for flag in shapes["flag"])
     say(f"{output}: {measured} of {len(shapes)} sources measured")
 

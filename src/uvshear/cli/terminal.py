@@ -43,6 +43,11 @@ def show_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]
     console.print(table)
 
 
+def warn(text: str) -> None:
+    """Show a line on stderr for what is done all the same."""
+    typer.echo(f"uvshear: note: {text}", err=True)
+
+
 def say(text: str) -> None:
     """Show a line on stdout."""
     typer.echo(text)
