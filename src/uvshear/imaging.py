@@ -37,6 +37,11 @@ def dirty_image(
     Relative error ``epsilon`` in the root mean square. Single precision for complex64 visibilities
     (``epsilon`` >= 1e-5), double otherwise.
     """
+    if (
+        len(frequency) > 1 and frequency[0] > frequency[-1]
+    ):  # a lower sideband; the gridder wants it rising
+        frequency, vis, weights = frequency[::-1], vis[:, ::-1], weights[:, ::-1]
+        mask = None if mask is None else mask[:, ::-1]
     # The gridder's kernel is exp(+2 pi i [u x + v y - w (n-1)]): the signs of u and v turn it into ours.
     # A baseline out of the mask still counts in the gridder's choice of w-planes, hence the selection.
     return ducc0.wgridder.vis2dirty(

@@ -89,7 +89,7 @@ class _ExactBuilder(FacetBuilder):
         self._l, self._m = float(target.galaxy.l[0]), float(target.galaxy.m[0])
         self._band, self._grid, self._epsilon = band, grid, epsilon
         self._cutout = np.zeros((grid.size, grid.size))
-        self._uv, self._multiplicity, self._kept = _half_plane(grid, band.maximum)
+        self._uv, self._multiplicity, self._kept = _half_plane(grid, band)
         # The beam does not depend on any model: one round is enough, unless the facet has grown since.
         is_known = power is not None and len(power) == len(self._uv)
         self._power = power if is_known else None
@@ -164,11 +164,13 @@ def _transform(image: Float[Array, "l m"]) -> Array:
 
 
 def _half_plane(
-    grid: ImageGrid, uv_max: float
+    grid: ImageGrid, band: UvRange
 ) -> tuple[Float[Array, "cell 2"], Float[Array, " cell"], tuple[Array, ...]]:
-    """Cells of half the uv plane within ``uv_max``, how often each counts, and where they are kept."""
+    """Cells of half the uv plane within a uv range, how often each counts, and where they are kept."""
     u = fft.fftfreq(grid.size, grid.pixel)[:, None]
     v = fft.rfftfreq(grid.size, grid.pixel)[None, :]
-    kept = np.nonzero(np.hypot(u, v) <= uv_max)
+    # Out of the range there is nothing but what truncation spills: power of either sign.
+    distance = np.hypot(u, v)
+    kept = np.nonzero((distance >= band.minimum) & (distance <= band.maximum))
     uv = np.column_stack([np.broadcast_to(x, (grid.size, v.size))[kept] for x in (u, v)])
     return uv, np.where(uv[:, 1] == 0, 1.0, 2.0), kept

@@ -13,6 +13,7 @@ from uvshear.typing import Array, Float
 LARGEST_ELLIPTICITY = 0.95
 _TOLERANCE = 1e-3
 _MOST_STEPS = 40
+_MOST_DAMPING = 1e6
 _UPPER = ((0, 0), (0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))
 
 
@@ -76,7 +77,8 @@ def _peak_width(correlator: Correlator, prior: ShapePrior) -> float:
     """Gaussian sigma of the autocorrelation of the circular median galaxy."""
     form = correlator.form(0j, prior.log_scale_length)
     sums = correlator.normal_sums(form, np.zeros((3, 3)))
-    return float(math.sqrt(2 * sums[4] / (sums[16] + sums[18])))
+    norm, curvature = float(sums[4]), float(sums[16] + sums[18])
+    return math.sqrt(2 * norm / curvature) if norm > 0 and curvature > 0 else 1.0
 
 
 def _highest_peak(correlator: Correlator, prior: ShapePrior) -> Float[Array, " 2"]:
@@ -106,7 +108,8 @@ def _best_of_lattice(correlator: Correlator, prior: ShapePrior) -> tuple[complex
     heights, norm = correlator.correlate(e, sizes, correlator.displaced_to(np.zeros((1, 2))))
     if not np.any(heights > 0):
         return None
-    score = np.maximum(heights[:, 0], 0) ** 2 / (2 * norm) - 0.5 * deviation**2
+    reached = np.where(norm > 0, norm, np.inf)
+    score = np.maximum(heights[:, 0], 0) ** 2 / (2 * reached) - 0.5 * deviation**2
     best = int(np.argmax(score))
     return complex(e[best]), float(sizes[best])
 
@@ -115,8 +118,9 @@ def _climb(
     correlator: Correlator, prior: ShapePrior, ellipticity: complex, log_scale_length: float
 ) -> BestFit | None:
     """Levenberg-Marquardt from a start at the correlator's centre; None where the flux turns negative."""
-    state = _evaluate(correlator, prior, ellipticity, log_scale_length)
     longest = search_radius(correlator, prior)
+    largest = min(LARGEST_ELLIPTICITY, prior.ellipticity.maximum * (1 - 1e-6))
+    state = _evaluate(correlator, prior, _inside(ellipticity, largest), log_scale_length)
     damping, has_converged = 1e-3, False
     for _ in range(_MOST_STEPS):
         if state.flux <= 0:
@@ -128,7 +132,7 @@ def _climb(
             break
         before = correlator.centre
         correlator.move_to(before + _shortened(shift, longest))
-        e = _inside(state.ellipticity + complex(step[1], step[2]))
+        e = _inside(state.ellipticity + complex(step[1], step[2]), largest)
         size = state.log_scale_length + float(np.clip(step[3], -0.7, 0.7))
         trial = _evaluate(correlator, prior, e, size)
         gain = trial.log_posterior - state.log_posterior
@@ -138,8 +142,11 @@ def _climb(
             correlator.move_to(before)
             damping *= 10
         # At the edge of the disc of ellipticities steps promise more than they can keep.
-        if abs(gain) < _TOLERANCE or damping > 1e6:
+        if abs(gain) < _TOLERANCE:
             has_converged = True
+            break
+        if damping > _MOST_DAMPING:
+            has_converged = abs(state.ellipticity) > 0.999 * largest
             break
     return BestFit(
         flux=state.flux,
@@ -153,7 +160,9 @@ def _climb(
 
 
 def _damped(information: Float[Array, "n n"], damping: float) -> Float[Array, "n n"]:
-    return information + damping * np.diag(np.diag(information))
+    # The second term keeps a single baseline's matrix from being singular.
+    scale = np.diag(information)
+    return information + damping * np.diag(scale) + 1e-12 * float(scale.max()) * np.eye(len(scale))
 
 
 def _evaluate(
@@ -167,8 +176,19 @@ def _evaluate(
     response = np.empty((4, 4))
     for (i, j), value in zip(_UPPER, upper, strict=True):
         response[i, j] = response[j, i] = value
-    norm = response[0, 0]
-    flux = float(products[0] / norm)
+    norm = float(response[0, 0])
+    if norm <= 0:  # a template out of the reach of the baselines: never better than another
+        return _State(
+            ellipticity,
+            log_scale_length,
+            0.0,
+            -math.inf,
+            np.zeros(4),
+            np.eye(4),
+            np.zeros(2),
+            np.eye(2),
+        )
+    flux = float(products[0]) / norm
     deviation = (log_scale_length - prior.log_scale_length) / prior.log_scale_length_sigma
 
     amplitudes = np.array([1.0, flux, flux, flux])
@@ -205,13 +225,9 @@ def _form_derivatives(
     return np.array([*rows, 2 * correlator.form(ellipticity, log_scale_length)])
 
 
-def _inside(ellipticity: complex) -> complex:
+def _inside(ellipticity: complex, largest: float) -> complex:
     modulus = abs(ellipticity)
-    return (
-        ellipticity
-        if modulus <= LARGEST_ELLIPTICITY
-        else ellipticity * LARGEST_ELLIPTICITY / modulus
-    )
+    return ellipticity if modulus <= largest else ellipticity * (largest / modulus)
 
 
 def _shortened(step: Float[Array, " 2"], longest: float) -> Float[Array, " 2"]:

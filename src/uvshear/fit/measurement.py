@@ -19,6 +19,7 @@ class FitFlag(Enum):
     POINT_SOURCE = "the catalogue's size is zero: subtracted, not measured"
     NO_DATA = "no visibility within the uv range carries weight"
     NO_PEAK = "the data do not correlate with a galaxy at this position: no positive flux fits"
+    UNDETERMINED = "too few baselines to fix a position and a shape"
     OFF_POSITION = "the best position is outside the prior on the position"
     NOT_CONVERGED = "the maximum of the likelihood, or the extent of the posterior, was not found"
 
@@ -58,7 +59,7 @@ class ShapeMeasurement:
     covariance
         Of e1, e2.
     flux, flux_err
-        At the frequency of the observation, in the unit of the facet [Jy].
+        At the galaxy's reference frequency [Jy].
     scale_length, scale_length_err
         [rad].
     offset, offset_err

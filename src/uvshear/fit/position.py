@@ -51,21 +51,28 @@ class PositionQuadrature:
         self._displaced = correlator.displaced_to(nodes)
 
     @classmethod
-    def about(cls, correlator: Correlator, best: BestFit) -> Self:
-        """Build for a correlator centred on the best fit."""
+    def about(cls, correlator: Correlator, best: BestFit, radius: float) -> Self:
+        """Build for a correlator centred on the best fit; the prior of the position ends at ``radius``."""
         z = np.stack(np.meshgrid(_NODES, _NODES), axis=-1).reshape(-1, 2)
         weights = np.outer(_WEIGHTS, _WEIGHTS).ravel()
         # The four corners hold a thousandth of the sum and cost a quarter of it.
         inner = np.hypot(*z.T) < 3
         z, weights = z[inner], weights[inner]
         width = np.linalg.cholesky(_INFLATION * np.linalg.inv(best.position_information))
-        return cls(correlator, z @ width.T, np.log(weights) + 0.5 * np.sum(z**2, axis=1))
+        nodes, log_weights = z @ width.T, np.log(weights) + 0.5 * np.sum(z**2, axis=1)
+        allowed = np.hypot(*(nodes + best.position).T) <= radius
+        if not allowed.any():
+            allowed[:] = True
+        return cls(correlator, nodes[allowed], log_weights[allowed])
 
     def marginalise(
         self, ellipticity: Complex[Array, " sample"], log_scale_length: Float[Array, " sample"]
     ) -> MarginalLikelihood:
         """Likelihood of each template, flux and position integrated out."""
         heights, norm = self._correlator.correlate(ellipticity, log_scale_length, self._displaced)
+        # A template out of the reach of the baselines has no norm, and no likelihood.
+        reached = norm > 0
+        norm = np.where(reached, norm, 1.0)
         significance = heights / np.sqrt(norm)[:, None]
         log_node = self._log_weights + 0.5 * significance**2 + log_ndtr(significance)
         highest = log_node.max(axis=1)
@@ -73,15 +80,24 @@ class PositionQuadrature:
         total = share.sum(axis=1)
         share /= total[:, None]
 
-        flux = heights / norm[:, None]
+        flux, variance = _positive_flux(significance)
+        flux, variance = flux / np.sqrt(norm)[:, None], variance / norm[:, None]
         mean_flux = np.sum(share * flux, axis=1)
         offset = share @ self._nodes
         away = self._nodes - offset[:, None, :]
         return MarginalLikelihood(
-            log_likelihood=highest + np.log(total) - 0.5 * np.log(norm),
+            log_likelihood=np.where(reached, highest + np.log(total) - 0.5 * np.log(norm), -np.inf),
             flux=mean_flux,
-            flux_variance=1 / norm + np.sum(share * (flux - mean_flux[:, None]) ** 2, axis=1),
+            flux_variance=np.sum(share * (variance + (flux - mean_flux[:, None]) ** 2), axis=1),
             norm=norm,
             offset=offset,
             offset_covariance=np.einsum("sn,sni,snj->sij", share, away, away),
         )
+
+
+def _positive_flux(
+    significance: Float[Array, "sample node"],
+) -> tuple[Float[Array, "sample node"], Float[Array, "sample node"]]:
+    """Mean and variance of a normal of unit variance about ``significance``, cut off below zero."""
+    hazard = np.exp(-0.5 * significance**2 - log_ndtr(significance)) / np.sqrt(2 * np.pi)
+    return significance + hazard, np.maximum(1 - hazard * (significance + hazard), 0.0)

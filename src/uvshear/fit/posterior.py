@@ -10,6 +10,7 @@ from uvshear.fit.maximum import (
     BestFit,
     ellipticity_covariance,
     log_scale_length_given_shape,
+    search_radius,
 )
 from uvshear.fit.position import MarginalLikelihood, PositionQuadrature
 from uvshear.fit.prior import ShapePrior
@@ -56,7 +57,7 @@ def sample_posterior(correlator: Correlator, prior: ShapePrior, best: BestFit) -
     ``DEPTH`` of the highest. Where the Fisher matrix misleads it starts again: with half the step if the posterior
     is narrower, along the axes found so far if it is so much wider that ``MOST_POINTS`` do not cover it.
     """
-    position = PositionQuadrature.about(correlator, best)
+    position = PositionQuadrature.about(correlator, best, search_radius(correlator, prior))
     axes = STEP * _principal_axes(ellipticity_covariance(best))
     for _ in range(_MOST_ATTEMPTS):
         lattice = _Lattice(position, prior, best, axes)

@@ -17,6 +17,10 @@ FLOAT32_SNR = 300.0
 """Signal-to-noise ratio above which single precision does not carry differences of log L."""
 
 
+SINGULAR = 1e-9
+"""Least eigenvalue of a Fisher matrix, of unit diagonal, that counts as information."""
+
+
 def fit_galaxy(
     facet: Facet, prior: ShapePrior, profile: Profile, start: GalaxyFit | None = None
 ) -> GalaxyFit | None:
@@ -25,7 +29,11 @@ def fit_galaxy(
         return None
     correlator = Correlator(facet, profile)
     best = maximise_likelihood(correlator, prior, start)
-    if best is None or _judge(best, correlator, prior) is not FitFlag.OK:
+    if (
+        best is None
+        or not _is_determined(best)
+        or _judge(best, correlator, prior) is not FitFlag.OK
+    ):
         return None
     return _galaxy(best, correlator)
 
@@ -40,6 +48,8 @@ def measure_shape(
     best = maximise_likelihood(correlator, prior, start)
     if best is None:
         return ShapeMeasurement.failed(FitFlag.NO_PEAK)
+    if not _is_determined(best):
+        return ShapeMeasurement.failed(FitFlag.UNDETERMINED)
     if _significance(best) > FLOAT32_SNR:
         correlator = Correlator(facet, profile, np.float64)
         best = maximise_likelihood(correlator, prior, _galaxy(best, correlator)) or best
@@ -56,6 +66,17 @@ def _galaxy(best: BestFit, correlator: Correlator) -> GalaxyFit:
         scale_length=math.exp(best.log_scale_length),
         snr=_significance(best),
     )
+
+
+def _is_determined(best: BestFit) -> bool:
+    """Whether the visibilities fix position and shape: one baseline does not."""
+    for matrix in (best.information, best.position_information):
+        scale = np.sqrt(np.diag(matrix))
+        if not np.all(scale > 0):
+            return False
+        if np.linalg.eigvalsh(matrix / np.outer(scale, scale)).min() < SINGULAR:
+            return False
+    return True
 
 
 def _significance(best: BestFit) -> float:
