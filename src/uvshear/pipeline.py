@@ -83,6 +83,7 @@ def simulate(
         profile=profile,
         noise=noise,
         seed=seed,
+        threads=threads,
     )
 
 
@@ -147,8 +148,8 @@ def _prepare(
     )
     if options.uv_range.minimum >= extent.longest:
         raise InputError(
-            f"the shortest baseline asked for is {options.uv_range.minimum:g} wavelengths and the longest there is"
-            f" {extent.longest:.4g}; a wider uv range is needed"
+            f"--uv-min {options.uv_range.minimum:g}: the longest baseline there is has {extent.longest:.4g}"
+            " wavelengths; a lower uv-min is needed"
         )
     longest = min(options.uv_range.maximum, extent.longest)
     uv_range = replace(options.uv_range, maximum=longest)

@@ -94,7 +94,9 @@ def draw_psf(
     )
     picture.invert_xaxis()
     picture.set(xlabel="$l$ [arcsec], East to the left", ylabel="$m$ [arcsec], North up")
-    picture.set_title(f"{title}: $e$ = {ellipticity.real:+.4f} {ellipticity.imag:+.4f}i")
+    picture.set_title(
+        f"{title}\n$e$ = {ellipticity.real:+.4f} {ellipticity.imag:+.4f}i", fontsize="medium"
+    )
     bar = figure.colorbar(shown, ax=picture, label="relative to the peak (asinh scale)")
     ticks = np.array([-0.1, -0.02, 0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0])
     ticks = ticks[(ticks >= psf.min()) & (ticks <= 1)]

@@ -1,4 +1,5 @@
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -36,8 +37,10 @@ def test_shapes_are_measured_and_tell_how(
 def test_two_sets_of_a_pointing_are_measured_together(
     uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path
 ) -> None:
+    copy = tmp_path / "copy.ms"
+    shutil.copytree(field, copy)
     snr = []
-    for name, sets in (("one.ecsv", [field]), ("two.ecsv", [field, field])):
+    for name, sets in (("one.ecsv", [field]), ("two.ecsv", [field, copy])):
         words = ("measure", *sets, "--catalogue", catalogue, "-o", tmp_path / name)
         assert uvshear(*words, "--rounds", "1").status == 0
         snr.append(np.asarray(read_shapes(tmp_path / name)["snr"]))
@@ -152,4 +155,36 @@ def test_a_set_of_another_pointing_is_refused(
     outcome = uvshear("measure", field, other, "--catalogue", catalogue, "-o", output)
     assert outcome.status == 2
     assert "other.ms: its phase centre is 3.6e+03 arcsec from" in outcome.err
+    assert not output.exists()
+
+
+def test_a_set_given_twice_is_refused(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path
+) -> None:
+    outcome = uvshear(
+        "measure", field, field, "--catalogue", catalogue, "-o", tmp_path / "shapes.fits"
+    )
+    assert outcome.status == 2
+    assert outcome.err.count("\n") == 1
+    assert "is given twice" in outcome.err
+
+
+def test_the_catalogue_is_not_overwritten_by_its_own_shapes(
+    uvshear: Callable, field: Path, catalogue: Path
+) -> None:
+    before = catalogue.read_bytes()
+    words = ("measure", field, "--catalogue", catalogue, "-o", catalogue, "--overwrite")
+    outcome = uvshear(*words)
+    assert outcome.status == 2
+    assert "is an input too" in outcome.err
+    assert catalogue.read_bytes() == before
+
+
+def test_a_uv_range_beyond_all_baselines_is_refused(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path
+) -> None:
+    output = tmp_path / "shapes.fits"
+    outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output, "--uv-min", "1e9")
+    assert outcome.status == 2
+    assert "--uv-min 1e+09: the longest baseline there is" in outcome.err
     assert not output.exists()

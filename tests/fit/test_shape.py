@@ -8,7 +8,7 @@ import pytest
 from tests.fit.facets import ALPHA, EXPONENTIAL, PRIOR, noise_free, noisy
 from uvshear.fit.measurement import FitFlag, ShapeMeasurement
 from uvshear.fit.shape import fit_galaxy, measure_shape
-from uvshear.galaxy import DiscEllipticityPrior
+from uvshear.galaxy import DiscEllipticityPrior, FlatEllipticityPrior
 from uvshear.interferometer.facet import Facet
 
 
@@ -108,3 +108,40 @@ def test_pulls_are_of_width_one():
         assert error < 0.041
         assert 0.9 < width < 1.1  # measured 1.03, 0.96, 1.01
         assert abs(values.mean()) < 3 / np.sqrt(values.size)  # measured 0.75, 1.0, 1.1 of its error
+
+
+def test_one_baseline_does_not_determine_a_shape():
+    """The Fisher matrix of the position has no second dimension; unguarded, its Cholesky factor fails."""
+    uv = np.array([[2e4, 1e4]])
+    facet = Facet(uv, np.array([1e8 + 0j]), np.array([1e12]))
+    assert measure_shape(facet, PRIOR, EXPONENTIAL).flag is FitFlag.UNDETERMINED
+    assert fit_galaxy(facet, PRIOR, EXPONENTIAL) is None
+
+
+@pytest.mark.parametrize("prior", [FlatEllipticityPrior(0.5), DiscEllipticityPrior()])
+def test_a_prior_narrower_than_the_galaxy_is_elliptical_holds(prior):
+    """The best fit lies outside the prior, where a lattice that began there would have no point."""
+    facet, _ = noise_free(0.88 + 0j, snr=60.0)
+    shape = measure_shape(facet, replace(PRIOR, ellipticity=prior), EXPONENTIAL)
+    assert np.hypot(*shape.ellipticity) < prior.maximum
+    assert shape.ellipticity[0] > 0.9 * prior.maximum - 0.1
+
+
+def test_a_posterior_much_wider_than_its_fisher_matrix_is_covered():
+    """An unresolved galaxy: nothing is known of e, whatever the curvature at the best fit."""
+    facet, _ = noise_free(0.3j, alpha=ALPHA / 100, snr=100.0, reach=0.3)
+    tiny = replace(
+        PRIOR, log_scale_length=PRIOR.log_scale_length - np.log(100), log_scale_length_sigma=0.01
+    )
+    shape = measure_shape(facet, tiny, EXPONENTIAL)
+    assert shape.flag in {FitFlag.OK, FitFlag.NOT_CONVERGED}
+    assert shape.e_sigma > 0.2
+
+
+def test_cells_without_power_do_no_harm():
+    """Truncation leaves cells of power below zero under a uv range: broad templates have no norm there."""
+    rng = np.random.default_rng(3)
+    facet, _ = noisy(rng, 0.2j, snr=20.0)
+    spilt = replace(facet, power=np.where(np.arange(600) % 3 == 0, -0.2, 1.0) * facet.power)
+    shape = measure_shape(spilt, PRIOR, EXPONENTIAL)
+    assert np.all(np.isfinite(shape.ellipticity)) or shape.flag is not FitFlag.OK

@@ -434,3 +434,12 @@ def test_a_real_meerkat_set_is_read_once_unflagged(tmp_path):
     for one, expected in zip(_all(measured), _direct(path, cross), strict=True):
         np.testing.assert_allclose(one, expected, rtol=2e-6, atol=1e-6)
     assert measured.summary().autocorrelations == 310
+
+
+def test_a_row_without_uvw_is_left_out_and_counted(tmp_path):
+    path = written(tmp_path)
+    change(path, "UVW", np.nan, rows=[5])
+    observation = MeasurementSet(path)
+    for chunk in observation.chunks():
+        assert np.isfinite(chunk.uvw).all()
+    assert observation.summary().non_finite == 4

@@ -123,6 +123,10 @@ def _explain(error: Exception) -> str | None:
         message = _with_the_command(error)
     elif isinstance(error, InputError):
         message = str(error)
+    elif isinstance(error, MemoryError):
+        message = (
+            f"not enough memory ({error}); fewer rows, channels or sources at a time are needed"
+        )
     elif isinstance(error, OSError):
         message = str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
     else:

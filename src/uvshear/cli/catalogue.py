@@ -77,13 +77,13 @@ def catalogue(
     from uvshear.galaxy.flux import PowerLawFlux
     from uvshear.geometry.directions import PhaseCentre
     from uvshear.io.catalogue import catalogue_from_galaxies, write_catalogue
-    from uvshear.io.outputs import check_output
+    from uvshear.io.outputs import check_file
     from uvshear.io.tables import check_table_name
     from uvshear.simulation.field import DiscField, SquareField
     from uvshear.simulation.population import Population, draw_population, expected_number
 
     check_table_name(output)
-    check_output(output, overwrite=overwrite)
+    check_file(output, overwrite=overwrite)
     if (density is None) == (count is None):
         raise InputError("--density or --count: give one of the two")
     if ra_deg is not None and declination_deg is None:

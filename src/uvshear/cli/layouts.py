@@ -34,7 +34,7 @@ def layouts(
     from scipy.spatial.distance import pdist
 
     from uvshear.interferometer.layout import ArrayLayout, known_layouts, load_layout
-    from uvshear.io.outputs import check_output
+    from uvshear.io.outputs import check_file
 
     def describe(layout: ArrayLayout) -> tuple[str, ...]:
         # the longest baseline joins two corners of the convex hull; few antennas are compared whole
@@ -58,7 +58,7 @@ def layouts(
         return
     layout = load_layout(name)
     picture = Path(f"{layout.name}-layout.png") if output is None else output
-    check_output(picture, overwrite=overwrite)
+    check_file(picture, overwrite=overwrite)
     show_table(layout.name, columns, [describe(layout)])
     say(textwrap.shorten(layout.source, 300, placeholder=" ..."))
 

@@ -11,10 +11,12 @@ from uvshear.cli.options import (
     Output,
     Overwrite,
     Threads,
+    field_of,
     non_negative,
     positive,
     provenance,
     thread_count,
+    uv_range_of,
 )
 from uvshear.cli.profiles import ProfileName, profile_of
 from uvshear.cli.terminal import progress_bar, say, warn
@@ -75,7 +77,16 @@ def measure(
     profile: Annotated[
         ProfileName, typer.Option(help="Of the galaxies.")
     ] = ProfileName.EXPONENTIAL,
-    rounds: Annotated[int, typer.Option(callback=positive, help="Passes over the sources.")] = 2,
+    position_radius_arcsec: Annotated[
+        float | None,
+        typer.Option(
+            callback=positive,
+            help="How far the catalogue's positions may be off; by default the correlation's width.",
+        ),
+    ] = None,
+    rounds: Annotated[
+        int, typer.Option(callback=positive, help="Passes over the sources; exact facets need two.")
+    ] = 2,
     flux_unit: Annotated[
         str | None, typer.Option(help="Unit of a flux column that has none (CSV).")
     ] = None,
@@ -87,14 +98,13 @@ def measure(
     overwrite: Overwrite = False,
 ) -> None:
     """Measure the ellipticity of every source of a catalogue from the visibilities."""
-    if uv_max is not None and uv_min >= uv_max:
-        raise InputError(f"--uv-min {uv_min:g} --uv-max {uv_max:g}: uv-min < uv-max is needed")
+    uv_range = uv_range_of(uv_min, uv_max)
 
-    from uvshear.extraction.facets import UvRange
+    from uvshear.constants import ARCSEC
     from uvshear.galaxy import CatalogueSize, SizeFluxRelation
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.observations import open_observation
-    from uvshear.io.outputs import check_output
+    from uvshear.io.outputs import check_file
     from uvshear.io.remarks import remarks_on
     from uvshear.io.shapes import write_shapes
     from uvshear.io.tables import check_table_name
@@ -102,19 +112,22 @@ def measure(
     from uvshear.pipeline import measure as measure_shapes
 
     check_table_name(output)
-    check_output(output, overwrite=overwrite)
+    check_file(output, overwrite=overwrite, inputs=(catalogue,))
     frequency = None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6
     sources = read_catalogue(catalogue, flux_unit=flux_unit, reference_frequency=frequency)
     if size_prior is SizePriorName.CATALOGUE and sources.scale_length is None:
         raise InputError(
             f"{catalogue}: has no column 'scale_length', which --size-prior catalogue needs"
         )
-    observation = open_observation(measurement_sets, column, _field(field))
+    observation = open_observation(measurement_sets, column, field_of(field))
     options = MeasurementOptions(
         facet=facet_method(facet, facet_size),
         profile=profile_of(profile),
         size=SizeFluxRelation() if size_prior is SizePriorName.FLUX else CatalogueSize(),
-        uv_range=UvRange(uv_min, float("inf") if uv_max is None else uv_max),
+        uv_range=uv_range,
+        position_radius=(
+            None if position_radius_arcsec is None else position_radius_arcsec * ARCSEC
+        ),
         rounds=rounds,
         threads=thread_count(threads),
     )
@@ -123,7 +136,7 @@ def measure(
     shapes.meta.update(provenance(context, *measurement_sets, catalogue).metadata())
     write_shapes(output, shapes, overwrite=overwrite)
     for path in measurement_sets:
-        for remark in remarks_on(path, column, _field(field)):
+        for remark in remarks_on(path, column, field_of(field)):
             warn(remark)
     measured = sum(flag == "ok" for flag in shapes["flag"])
     say(f"{output}: {measured} of {len(shapes)} sources measured")
@@ -139,7 +152,3 @@ def facet_method(name: FacetName, scale_lengths: float | None) -> "FacetMethod":
     if scale_lengths is None:
         return CellAverageFacets()
     return CellAverageFacets(ScaleLengths(scale_lengths))
-
-
-def _field(field: str | None) -> int | str | None:
-    return int(field) if field is not None and field.isdecimal() else field

@@ -1,14 +1,19 @@
 """Options that commands share, and the checks of their numbers."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
 
 import math
 import os
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperCommand
 
+from uvshear.errors import InputError
 from uvshear.io.provenance import Provenance
+
+if TYPE_CHECKING:
+    from uvshear.extraction.facets import UvRange
 
 Pair = tuple[float, float]
 
@@ -129,3 +134,17 @@ def provenance(context: typer.Context, *inputs: Path) -> Provenance:
         if name not in NO_PART_OF_THE_RESULT
     }
     return Provenance(context.command_path, tuple(str(path) for path in inputs), options)
+
+
+def uv_range_of(uv_min: float, uv_max: float | None) -> "UvRange":
+    """Check the two options of the uv range against one another."""
+    from uvshear.extraction.facets import UvRange
+
+    if uv_max is not None and uv_min >= uv_max:
+        raise InputError(f"--uv-min {uv_min:g} --uv-max {uv_max:g}: uv-min < uv-max is needed")
+    return UvRange(uv_min, float("inf") if uv_max is None else uv_max)
+
+
+def field_of(field: str | None) -> int | str | None:
+    """Take a number for a field's id, anything else for its name."""
+    return int(field) if field is not None and field.isdecimal() else field

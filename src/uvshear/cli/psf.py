@@ -6,7 +6,15 @@ from typing import Annotated
 
 import typer
 
-from uvshear.cli.options import Overwrite, Threads, non_negative, positive, thread_count
+from uvshear.cli.options import (
+    Overwrite,
+    Threads,
+    field_of,
+    non_negative,
+    positive,
+    thread_count,
+    uv_range_of,
+)
 from uvshear.cli.terminal import say, show_table
 from uvshear.errors import InputError
 
@@ -42,34 +50,36 @@ def psf(
         float | None, typer.Option(callback=positive, help="Longest baseline used [wavelengths].")
     ] = None,
     column: Annotated[str, typer.Option(help="Column of visibilities.")] = "DATA",
+    field: Annotated[
+        str | None, typer.Option(help="Field (name or number), where a set holds several.")
+    ] = None,
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
     """Ellipticity and size of the natural PSF from quadrupole moments, and the uv coverage."""
-    if uv_max is not None and uv_min >= uv_max:
-        raise InputError(f"--uv-min {uv_min:g} --uv-max {uv_max:g}: uv-min < uv-max is needed")
+    uv_range = uv_range_of(uv_min, uv_max)
 
     from uvshear.constants import ARCSEC
-    from uvshear.extraction.facets import UvRange
     from uvshear.extraction.psf import point_spread_function, sample_coverage
     from uvshear.imaging import ImageGrid
     from uvshear.interferometer.psf_shape import measure_psf
     from uvshear.io.observations import open_observation
-    from uvshear.io.outputs import check_output
+    from uvshear.io.outputs import check_file
 
     stem = measurement_sets[0].name.removesuffix(".ms").removesuffix(".MS")
     psf_picture = Path(f"{stem}-psf.png") if output is None else output
     uv_picture = Path(f"{stem}-uv.png") if uv_output is None else uv_output
+    if psf_picture == uv_picture:
+        raise InputError(f"--output and --uv-output: both are {psf_picture}; give two names")
     for path in (psf_picture, uv_picture):
-        check_output(path, overwrite=overwrite)
+        check_file(path, overwrite=overwrite)
     size = 2 * round(5 * weight_sigma_arcsec / pixel_arcsec)
     if not 16 <= size <= 16384:
         raise InputError(
             f"--weight-sigma-arcsec {weight_sigma_arcsec:g} --pixel-arcsec {pixel_arcsec:g}:"
             f" an image of {size} pixels; pixels of sigma/5 or so are needed"
         )
-    observation = open_observation(measurement_sets, column)
-    uv_range = UvRange(uv_min, float("inf") if uv_max is None else uv_max)
+    observation = open_observation(measurement_sets, column, field_of(field))
     pixel = pixel_arcsec * ARCSEC
     image = point_spread_function(
         observation, ImageGrid(size, pixel), uv_range, threads=thread_count(threads)
@@ -88,11 +98,18 @@ def psf(
     from uvshear.plot import draw_psf, draw_uv_coverage, save
 
     save(
-        draw_psf(image, pixel, shape.ellipticity, f"PSF, {stem}"), psf_picture, overwrite=overwrite
+        draw_psf(image, pixel, shape.ellipticity, f"PSF, {shorten(stem)}"),
+        psf_picture,
+        overwrite=overwrite,
     )
     save(
-        draw_uv_coverage(coverage.uvw, coverage.frequency, f"uv coverage, {stem}"),
+        draw_uv_coverage(coverage.uvw, coverage.frequency, f"uv coverage, {shorten(stem)}"),
         uv_picture,
         overwrite=overwrite,
     )
     say(f"pictures: {psf_picture}, {uv_picture}")
+
+
+def shorten(name: str, longest: int = 32) -> str:
+    """Cut a name that would not fit over a picture."""
+    return name if len(name) <= longest else f"{name[: longest - 1]}…"

@@ -42,12 +42,12 @@ def shear(
     overwrite: Overwrite = False,
 ) -> None:
     """Estimate the shear: the weighted mean ellipticity, its error by 1000 bootstraps."""
-    from uvshear.io.outputs import check_output, write_json
+    from uvshear.io.outputs import check_file, write_json
     from uvshear.io.shapes import read_shapes
     from uvshear.pipeline import estimate_shear
 
     if output is not None:
-        check_output(output, overwrite=overwrite)
+        check_file(output, overwrite=overwrite, inputs=(shapes,))
     estimate = estimate_shear(read_shapes(shapes), snr_min=snr_min, seed=seed)
     say(describe_shear(estimate))
     if output is not None:

@@ -115,12 +115,17 @@ def simulate(
         bool, typer.Option("--no-noise", help="No noise; weights as with it.")
     ] = False,
     elevation_limit_deg: Annotated[
-        float | None,
-        typer.Option(callback=non_negative, help="Leave out samples below; none by default."),
-    ] = None,
+        float, typer.Option(callback=non_negative, help="Leave out samples below it.")
+    ] = 15.0,
+    no_elevation_limit: Annotated[
+        bool, typer.Option("--no-elevation-limit", help="Keep samples at any elevation.")
+    ] = False,
     profile: Annotated[
         ProfileName, typer.Option(help="Of all galaxies.")
     ] = ProfileName.EXPONENTIAL,
+    flux_unit: Annotated[
+        str | None, typer.Option(help="Unit of a flux column that has none (CSV).")
+    ] = None,
     seed: Seed = 1,
     threads: Threads = 0,
     overwrite: Overwrite = False,
@@ -150,9 +155,9 @@ def simulate(
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
 
     check_output(output, overwrite=overwrite)
-    sources = read_catalogue(catalogue)
+    sources = read_catalogue(catalogue, flux_unit=flux_unit)
     centre = phase_centre_of(sources, ra_deg, declination_deg)
-    limit = None if elevation_limit_deg is None else math.radians(elevation_limit_deg)
+    limit = None if no_elevation_limit else math.radians(elevation_limit_deg)
     plan = ObservingPlan(
         load_layout(layout),
         Track.from_clock(centre, ranges, integration_s, limit),

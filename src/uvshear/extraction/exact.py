@@ -92,7 +92,7 @@ class _ExactBuilder(FacetBuilder):
         self._uv, self._multiplicity, self._kept = _half_plane(grid, band)
         # The beam does not depend on any model: one round is enough, unless the facet has grown since.
         is_known = power is not None and len(power) == len(self._uv)
-        self._power = power if is_known else None
+        self._power = np.asarray(power, float) if is_known else None
         self._beam = np.zeros((grid.size, grid.size))
 
     def add(self, residual: Visibilities, model: Galaxies) -> None:

@@ -13,7 +13,7 @@ from uvshear.geometry.ellipticity import quadratic_form
 from uvshear.interferometer.facet import Facet
 from uvshear.typing import Array, Complex, Float
 
-BLOCK = 256
+BLOCK = kernels.BLOCK
 """Cells to a block of the matrix product."""
 
 CHUNK = 8 * BLOCK

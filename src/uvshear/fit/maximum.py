@@ -153,10 +153,17 @@ def _climb(
         position=correlator.centre,
         ellipticity=state.ellipticity,
         log_scale_length=state.log_scale_length,
-        information=state.information,
+        information=_made_positive(state.information),
         position_information=state.position_information,
         has_converged=has_converged,
     )
+
+
+def _made_positive(information: Float[Array, "n n"]) -> Float[Array, "n n"]:
+    """Raise eigenvalues that truncation has left at or below zero, where the coverage is sparse."""
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-30))
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+    return (vectors * np.maximum(values, 1e-6)) @ vectors.T * np.outer(scale, scale)
 
 
 def _damped(information: Float[Array, "n n"], damping: float) -> Float[Array, "n n"]:

@@ -19,7 +19,7 @@ class FitFlag(Enum):
     POINT_SOURCE = "the catalogue's size is zero: subtracted, not measured"
     NO_DATA = "no visibility within the uv range carries weight"
     NO_PEAK = "the data do not correlate with a galaxy at this position: no positive flux fits"
-    UNDETERMINED = "too few baselines to fix a position and a shape"
+    UNDETERMINED = "too few baselines to fix a position"
     OFF_POSITION = "the best position is outside the prior on the position"
     NOT_CONVERGED = "the maximum of the likelihood, or the extent of the posterior, was not found"
 

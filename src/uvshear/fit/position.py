@@ -72,7 +72,7 @@ class PositionQuadrature:
         heights, norm = self._correlator.correlate(ellipticity, log_scale_length, self._displaced)
         # A template out of the reach of the baselines has no norm, and no likelihood.
         reached = norm > 0
-        norm = np.where(reached, norm, 1.0)
+        norm, heights = np.where(reached, norm, 1.0), np.where(reached[:, None], heights, 0.0)
         significance = heights / np.sqrt(norm)[:, None]
         log_node = self._log_weights + 0.5 * significance**2 + log_ndtr(significance)
         highest = log_node.max(axis=1)
@@ -99,5 +99,7 @@ def _positive_flux(
     significance: Float[Array, "sample node"],
 ) -> tuple[Float[Array, "sample node"], Float[Array, "sample node"]]:
     """Mean and variance of a normal of unit variance about ``significance``, cut off below zero."""
+    # Far below zero the cut-off normal is an exponential; the difference of squares would lose all digits.
+    significance = np.maximum(significance, -1e4)
     hazard = np.exp(-0.5 * significance**2 - log_ndtr(significance)) / np.sqrt(2 * np.pi)
     return significance + hazard, np.maximum(1 - hazard * (significance + hazard), 0.0)

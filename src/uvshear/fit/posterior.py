@@ -65,7 +65,7 @@ def sample_posterior(correlator: Correlator, prior: ShapePrior, best: BestFit) -
         found = _covariance(samples)
         if not samples.is_covered:
             axes = STEP * _principal_axes(_GROWTH**2 * found)
-        elif np.all(np.sqrt(np.diag(_in_steps(axes, found))) > _NARROWEST):
+        elif np.all(np.diag(_in_steps(axes, found)) > _NARROWEST**2):
             break
         else:
             axes = axes / 2

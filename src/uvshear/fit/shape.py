@@ -18,7 +18,7 @@ FLOAT32_SNR = 300.0
 
 
 SINGULAR = 1e-9
-"""Least eigenvalue of a Fisher matrix, of unit diagonal, that counts as information."""
+"""Least eigenvalue of the position's Fisher matrix, of unit diagonal, that counts as information."""
 
 
 def fit_galaxy(
@@ -54,6 +54,8 @@ def measure_shape(
         correlator = Correlator(facet, profile, np.float64)
         best = maximise_likelihood(correlator, prior, _galaxy(best, correlator)) or best
     samples = sample_posterior(correlator, prior, best)
+    if not np.all(np.isfinite(samples.probability)):
+        return ShapeMeasurement.failed(FitFlag.NOT_CONVERGED)
     flag = _judge(best, correlator, prior) if samples.is_covered else FitFlag.NOT_CONVERGED
     return _summarise(samples, correlator, best, flag)
 
@@ -69,14 +71,10 @@ def _galaxy(best: BestFit, correlator: Correlator) -> GalaxyFit:
 
 
 def _is_determined(best: BestFit) -> bool:
-    """Whether the visibilities fix position and shape: one baseline does not."""
-    for matrix in (best.information, best.position_information):
-        scale = np.sqrt(np.diag(matrix))
-        if not np.all(scale > 0):
-            return False
-        if np.linalg.eigvalsh(matrix / np.outer(scale, scale)).min() < SINGULAR:
-            return False
-    return True
+    """Whether the visibilities fix a position: one baseline does not."""
+    scale = np.sqrt(np.maximum(np.diag(best.position_information), 1e-30))
+    values = np.linalg.eigvalsh(best.position_information / np.outer(scale, scale))
+    return bool(values.min() > SINGULAR)
 
 
 def _significance(best: BestFit) -> float:

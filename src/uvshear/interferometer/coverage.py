@@ -55,6 +55,8 @@ class Track:
                     f"the hour angles {_hours(start):g} h to {_hours(stop):g} h are no range;"
                     " it needs start < stop"
                 )
+        if sum(stop - start for start, stop in self.hour_angles) > 2 * math.pi * (1 + 1e-9):
+            raise InputError("the hour angles span more than 24 hours; 24 or less are needed")
         ordered = sorted(self.hour_angles)
         for (_, stop), (start, _) in pairwise(ordered):
             if start < stop:

@@ -191,6 +191,8 @@ class _Reader:
         weights = self._weights(table, start, shape)
         uvw = np.empty((count, 3))
         table.getcolnp("UVW", uvw, start, count)
+        nowhere = ~np.isfinite(uvw).all(axis=1)
+        uvw[nowhere], correlations[nowhere] = 0.0, np.nan  # counted as not finite, and left out
         is_cross = table.getcol("ANTENNA1", start, count) != table.getcol("ANTENNA2", start, count)
         # A slice of the correlations, not an index: a view costs nothing.
         first, last = min(description.hands), max(description.hands)

@@ -160,7 +160,7 @@ def _choose_field(path: Path, main: tables.table, field: int | str | None) -> tu
     )
     if field is None:
         if len(present) > 1:
-            raise InputError(f"{path}: several fields, {listed}; choose one with field=")
+            raise InputError(f"{path}: several fields, {listed}; choose one with --field (field=)")
         chosen = next(iter(present))
     else:
         matching = [

@@ -14,7 +14,7 @@ from uvshear.errors import InputError
 from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.stokes import Hands
 from uvshear.io.measurement_set_subtables import write_subtables
-from uvshear.io.outputs import check_output
+from uvshear.io.outputs import check_output, unfinished
 from uvshear.simulation.observation import CorrelationBlock, SimulatedObservation
 
 TILE_BYTES: Final = 2**20
@@ -95,19 +95,20 @@ def _written_whole(target: Path) -> Iterator[Path]:
     except OSError as error:
         raise InputError(f"{target}: cannot be written here ({error.strerror})") from None
     try:
-        unfinished = directory / target.name
-        yield unfinished
-        _exchange(unfinished, target, directory / "replaced")
+        with unfinished(directory):
+            written = directory / target.name
+            yield written
+            _exchange(written, target, directory / "replaced")
     finally:
         shutil.rmtree(directory, ignore_errors=True)
 
 
-def _exchange(unfinished: Path, target: Path, replaced: Path) -> None:
+def _exchange(written: Path, target: Path, replaced: Path) -> None:
     """Put the new set in the place of the old one, or leave the old one there."""
     try:
         if target.exists():
             target.rename(replaced)
-        unfinished.rename(target)
+        written.rename(target)
     except BaseException:
         if replaced.exists() and not target.exists():
             replaced.rename(target)

@@ -34,6 +34,10 @@ def open_observation(
     """Open one or more Measurement Sets of the same phase centre."""
     if not paths:
         raise InputError("no Measurement Set is given; one or more are needed")
+    resolved = [path.resolve() for path in paths]
+    for index, path in enumerate(resolved):
+        if path in resolved[:index]:
+            raise InputError(f"{paths[index]}: is given twice; its visibilities would count twice")
     parts = tuple(MeasurementSet(path, column=column, field=field) for path in paths)
     first = parts[0].phase_centre
     for path, part in zip(paths[1:], parts[1:], strict=True):

@@ -4,11 +4,13 @@ import json
 import math
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from uvshear.errors import InputError
+
+_MOST_REMOVALS = 100
 
 _unfinished: set[Path] = set()
 
@@ -27,13 +29,32 @@ def remove_unfinished() -> None:
     """Remove what is being written; for a process that ends without unwinding."""
     for path in tuple(_unfinished):
         if path.is_dir() and not path.is_symlink():
-            shutil.rmtree(path, ignore_errors=True)
+            # Another thread may still be writing files into it.
+            for _ in range(_MOST_REMOVALS):
+                shutil.rmtree(path, ignore_errors=True)
+                if not path.exists():
+                    break
         else:
             path.unlink(missing_ok=True)
 
 
 def check_output(path: Path, *, overwrite: bool) -> None:
     """Refuse a target that cannot be written, before any computing is done for it."""
+    _check_place(path)
+    if os.path.lexists(path) and not overwrite:
+        raise InputError(f"{path}: exists already; give --overwrite or another name")
+
+
+def check_file(path: Path, *, overwrite: bool, inputs: Sequence[Path] = ()) -> None:
+    """Refuse a target that cannot become a file, or is an input, before any computing is done for it."""
+    check_output(path, overwrite=overwrite)
+    if path.exists() and any(path.samefile(one) for one in inputs if one.exists()):
+        raise InputError(f"{path}: is an input too; give another name for the output")
+    if path.is_dir():
+        raise InputError(f"{path}: is a directory, where a file is to be written; give a file name")
+
+
+def _check_place(path: Path) -> None:
     parent = path.parent
     if not parent.is_dir():
         what = "is not a directory" if parent.exists() else "does not exist"
@@ -42,21 +63,15 @@ def check_output(path: Path, *, overwrite: bool) -> None:
         raise InputError(
             f"{path}: {parent} is not writable; give an output in a directory of yours"
         )
-    if os.path.lexists(path) and not overwrite:
-        raise InputError(f"{path}: exists already; give --overwrite or another name")
 
 
 @contextmanager
 def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     """Yield a temporary name to write to; it becomes ``path`` when the block ends well."""
-    check_output(path, overwrite=overwrite)
-    if path.is_dir():
-        raise InputError(f"{path}: is a directory, where a file is to be written; give a file name")
+    check_file(path, overwrite=overwrite)
     # hidden, with the suffix that tells writers the format
     temporary = path.with_name(f".{path.stem}.partial-{os.getpid()}{path.suffix}")
     try:
-        temporary.touch()  # an unwritable place is found now, not after the computation
-        temporary.unlink()
         with unfinished(temporary):
             yield temporary
         temporary.replace(path)

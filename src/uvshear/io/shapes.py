@@ -46,7 +46,9 @@ COLUMNS: Mapping[str, ShapeColumn] = {
     "snr": ShapeColumn("flux over its error at fixed shape, natural weights"),
     "scale_length": ShapeColumn("posterior mean of the scale length", "arcsec", ARCSEC),
     "scale_length_err": ShapeColumn("its standard deviation", "arcsec", ARCSEC),
-    "flux_fit": ShapeColumn("fitted flux density", "uJy", MICROJANSKY),
+    "flux_fit": ShapeColumn(
+        "fitted flux density, at the catalogue's frequency", "uJy", MICROJANSKY
+    ),
     "flux_fit_err": ShapeColumn("its standard deviation", "uJy", MICROJANSKY),
     "dl": ShapeColumn("fitted position less the catalogue's, to the East", "arcsec", ARCSEC),
     "dm": ShapeColumn("fitted position less the catalogue's, to the North", "arcsec", ARCSEC),

@@ -1,6 +1,6 @@
 """Passes over the sources of a field in decreasing flux."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from typing import TypeVar
@@ -14,6 +14,7 @@ from uvshear.extraction.visit import gather_facets
 from uvshear.fit.measurement import GalaxyFit, ShapeMeasurement
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import fit_galaxy, measure_shape
+from uvshear.galaxy import Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.field import Field
@@ -49,38 +50,42 @@ class Sweep:
             for first in range(0, len(level), FACETS_AT_A_TIME)
         ]
         self._sky = field.sky
+        # What every round would gather again: 80 kB a source of median size.
         self._power: dict[int, Float[Array, " cell"]] = {}
         self._fits: dict[int, GalaxyFit] = {}
         self._rows_done = 0
 
     def improve_sky(self) -> None:
         """Fit every source once for the sky model."""
-        for batch in self._batches:
-            facets = self._facets(batch)
-            fits = self._side_by_side(
-                lambda source, facet: fit_galaxy(
-                    facet, self._prior(source), self._options.profile, self._fits.get(source)
-                ),
-                batch,
-                facets,
-            )
+        for batch, fits in self._visits(fit_galaxy):
             self._update(batch, fits)
 
     def measure_shapes(self) -> dict[int, ShapeMeasurement]:
         """Fit every source once more, and sample the posterior of its ellipticity."""
         measurements: dict[int, ShapeMeasurement] = {}
-        for batch in self._batches:
-            facets = self._facets(batch)
-            results = self._side_by_side(
-                lambda source, facet: measure_shape(
-                    facet, self._prior(source), self._options.profile, self._fits.get(source)
-                ),
-                batch,
-                facets,
-            )
+        for batch, results in self._visits(measure_shape):
             measurements.update(zip(batch.tolist(), results, strict=True))
             self._update(batch, [result.best for result in results])
         return self._with_natural_snr(measurements)
+
+    def _visits(
+        self, fit: Callable[[Facet, ShapePrior, Profile, GalaxyFit | None], Result]
+    ) -> Iterator[tuple[Int[Array, " member"], list[Result]]]:
+        """Go through the batches, fitting the sources of one side by side against the sky as it is then."""
+        for batch in self._batches:
+            facets = self._facets(batch)
+            with ThreadPoolExecutor(self._options.threads) as pool:
+                tasks = [
+                    pool.submit(
+                        fit,
+                        facet,
+                        self._prior(source),
+                        self._options.profile,
+                        self._fits.get(source),
+                    )
+                    for source, facet in zip(batch.tolist(), facets, strict=True)
+                ]
+                yield batch, [task.result() for task in tasks]
 
     def _facets(self, batch: Int[Array, " member"]) -> list[Facet]:
         field, options = self._field, self._options
@@ -104,7 +109,7 @@ class Sweep:
             for source, builder in zip(batch, builders, strict=True)
         ]
         for source, facet in zip(batch.tolist(), facets, strict=True):
-            self._power[source] = facet.power
+            self._power[source] = facet.power.astype(np.float32)
         return facets
 
     def _target(self, source: int) -> Target:
@@ -125,15 +130,6 @@ class Sweep:
             position_radius=options.position_radius,
             ellipticity=options.ellipticity,
         )
-
-    def _side_by_side(
-        self,
-        fit: Callable[[int, Facet], Result],
-        batch: Int[Array, " member"],
-        facets: list[Facet],
-    ) -> list[Result]:
-        with ThreadPoolExecutor(self._options.threads) as pool:
-            return list(pool.map(fit, batch.tolist(), facets))
 
     def _update(self, batch: Int[Array, " member"], fits: list[GalaxyFit | None]) -> None:
         """Let fitted galaxies replace what stood in the sky; a source that was not fitted stays as it was."""

@@ -10,7 +10,7 @@ from uvshear.typing import Array, Complex, Float
 
 @dataclass(frozen=True)
 class ShearEstimate:
-    """Reduced shear with its standard errors, from ``n`` galaxies."""
+    """Reduced shear with its standard errors, from ``n`` galaxies; in the axes (l East, m North) of their e."""
 
     g1: float
     g1_err: float

@@ -14,8 +14,9 @@ def lensfit_weight(
     .. math:: w = \left[\frac{s^2 e_\mathrm{max}^2}{e_\mathrm{max}^2 - 2 s^2}
               + \sigma_\mathrm{pop}^2\right]^{-1}
 
-    with s the measurement's standard deviation: a measurement that says nothing has
-    s^2 -> e_max^2/2, and weight zero.
+    with s the measurement's standard deviation; zero from s^2 = e_max^2/2 on. A measurement that says nothing
+    has the prior's own s, 0.475 for a disc of radius 0.95, and a tenth of the largest weight: leave such
+    galaxies out by their signal-to-noise ratio.
 
     References
     ----------

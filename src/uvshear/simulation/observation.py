@@ -65,6 +65,8 @@ class SimulatedObservation:
     seed
         Of the noise: the same seed gives the same noise, whatever the number of threads. None adds
         no noise, and keeps the weights that it would have had.
+    threads
+        For :meth:`chunks`, which simulates anew at each reading.
     """
 
     coverage: Coverage
@@ -73,6 +75,7 @@ class SimulatedObservation:
     profile: Profile
     noise: Noise
     seed: int | None
+    threads: int = 1
 
     @property
     def phase_centre(self) -> PhaseCentre:
@@ -100,7 +103,7 @@ class SimulatedObservation:
 
     def chunks(self) -> Iterator[Visibilities]:
         """Simulate Stokes I, as it would be read from the Measurement Set."""
-        for block in self.blocks():
+        for block in self.blocks(self.threads):
             rows = slice(block.first_row, block.first_row + len(block))
             combined = stokes_i(
                 block.correlations,
