@@ -41,7 +41,7 @@ def main() -> None:
         ("cell-average", CellAverageFacets(PaperTable())),
     ):
         for flux in FLUXES:
-            for snr in (10.0, 100.0):
+            for snr in (10.0, 100.0, 2000.0):
                 time_fit(name, method, uvw, float(flux), snr)
 
 

@@ -57,7 +57,7 @@ def test_noise_falls_with_the_root_of_the_channel_s_width(coverage):
 
 
 def test_scaled_noise_gives_a_point_source_its_snr(coverage):
-    noise = ScaledNoise.from_point_source(10e-6, 10.0, len(coverage))
+    noise = ScaledNoise(10e-6 * np.sqrt(len(coverage)) / 10.0)
     stokes_i_sigma = noise.correlation_sigma(coverage, CHANNELS) / np.sqrt(2)
     np.testing.assert_allclose(stokes_i_sigma, noise.stokes_i_sigma)
     assert 10e-6 * np.sqrt(np.sum(stokes_i_sigma**-2)) == pytest.approx(10)

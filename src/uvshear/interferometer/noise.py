@@ -3,7 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Self, TypeAlias, final
+from typing import TypeAlias, final
 
 import numpy as np
 
@@ -24,12 +24,9 @@ class Noise(ABC):
         """Return the deviation of ONE real component of one correlation (XX, say) [Jy]."""
 
 
-@final
 @dataclass(frozen=True)
-class CorrelationNoise(Noise):
-    """Noise whose :func:`radiometer_sigma` applies to each correlation: the physical reading.
-
-    Stokes I has sigma / sqrt(2), so sqrt(2) more signal to noise than :class:`StokesINoise`.
+class RadiometerNoise(Noise):
+    """Noise by the dishes' sensitivity; what it belongs to is for the subclass to say.
 
     Parameters
     ----------
@@ -44,6 +41,15 @@ class CorrelationNoise(Noise):
 
     def __post_init__(self) -> None:
         _check(self.sefd, self.efficiency)
+
+
+@final
+@dataclass(frozen=True)
+class CorrelationNoise(RadiometerNoise):
+    """Noise whose :func:`radiometer_sigma` applies to each correlation: the physical reading.
+
+    Stokes I has sigma / sqrt(2), so sqrt(2) more signal to noise than :class:`StokesINoise`.
+    """
 
     def correlation_sigma(self, coverage: Coverage, channels: Channels) -> Float[Array, "row chan"]:
         """Sigma of the radiometer equation."""
@@ -52,24 +58,11 @@ class CorrelationNoise(Noise):
 
 @final
 @dataclass(frozen=True)
-class StokesINoise(Noise):
+class StokesINoise(RadiometerNoise):
     """Noise whose :func:`radiometer_sigma` applies to Stokes I: Rivi & Miller 2018, section 3.
 
     Each correlation has sqrt(2) sigma.
-
-    Parameters
-    ----------
-    sefd
-        Of a dish, or of each kind of dish by diameter.
-    efficiency
-        eta of the system, 0 to 1.
     """
-
-    sefd: Sefd
-    efficiency: float = 0.9
-
-    def __post_init__(self) -> None:
-        _check(self.sefd, self.efficiency)
 
     def correlation_sigma(self, coverage: Coverage, channels: Channels) -> Float[Array, "row chan"]:
         """Sqrt(2) times sigma of the radiometer equation."""
@@ -92,14 +85,6 @@ class ScaledNoise(Noise):
     def __post_init__(self) -> None:
         if not 0 < self.stokes_i_sigma < math.inf:
             raise InputError(f"the noise is {self.stokes_i_sigma:g} Jy; it must be positive")
-
-    @classmethod
-    def from_point_source(cls, flux: float, snr: float, count: int) -> Self:
-        r"""Noise that gives a point source its signal to noise over ``count`` visibilities.
-
-        .. math:: \mathrm{SNR} = S \sqrt{\sum_k w_k} = S \sqrt{N} / \sigma_I
-        """
-        return cls(flux * math.sqrt(count) / snr)
 
     def correlation_sigma(self, coverage: Coverage, channels: Channels) -> Float[Array, "row chan"]:
         """Sqrt(2) times that of Stokes I."""
