@@ -276,7 +276,7 @@ def draw_layout(
     east, north = _east_north(positions)
     distance = np.hypot(east, north)
     core = float(np.median(distance)) * 1.3 if core_radius is None else core_radius
-    figure, (whole, inner) = _figure(2, 10, 5)
+    figure, (whole, inner) = _figure(2, 10, 5.5)
     for ax, reach, what in (
         (whole, 1.08 * float(distance.max()), f"{name}: {len(positions)} antennas"),
         (inner, core, f"the inner {np.count_nonzero(distance <= core)}"),
