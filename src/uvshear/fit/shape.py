@@ -13,8 +13,9 @@ from uvshear.galaxy import Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.typing import Array, Float
 
-FLOAT32_SNR = 300.0
-"""Signal-to-noise ratio above which single precision does not carry differences of log L."""
+FLOAT32_SNR = 700.0
+"""Signal-to-noise ratio above which single precision does not carry differences of log L: it moves e by 0.01 of its
+error at 500, 0.05 at 1000, 0.4 at 2000."""
 
 
 SINGULAR = 1e-9
