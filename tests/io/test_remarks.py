@@ -27,3 +27,11 @@ def test_the_other_sign_of_uvw_is_told(tmp_path):
     (remark,) = remarks_on(path)
     assert "UVW is X(ANTENNA2) - X(ANTENNA1)" in remark
     assert "used as stored" in remark
+
+
+def test_weights_from_sigma_are_told(tmp_path):
+    path = written(tmp_path)
+    for column in ("WEIGHT", "WEIGHT_SPECTRUM"):
+        change(path, column, 0.0)
+    (remark,) = remarks_on(path)
+    assert remark == f"{path}: no WEIGHT above zero; the weights are 1/SIGMA^2"

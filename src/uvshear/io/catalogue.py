@@ -136,7 +136,7 @@ def catalogue_from_table(
         raise InputError(f"{name}: has no rows; a catalogue of at least one source is needed")
     columns = Columns(table, name)
     flux = columns.number("flux", units.Jy, given=flux_unit, needs_unit=True)
-    columns.require("flux", flux > 0, "a positive flux density is needed", flux)
+    columns.require("flux", flux > 0, "a positive flux density (here in Jy) is needed", flux)
 
     position = _positions(columns)
 
