@@ -94,7 +94,7 @@ class MeasurementSet:
     path: str | Path
     column: str = "DATA"
     field: int | str | None = None
-    memory: int = 2**28
+    memory: int = 2**25
     header: Header = dataclasses.field(init=False, repr=False)
 
     def __post_init__(self) -> None:
