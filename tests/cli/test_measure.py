@@ -5,8 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from astropy import units
+from astropy.table import Table
 from casacore import tables
 
+from tests.io.measurement_sets import real_set
 from uvshear import __version__
 from uvshear.cli.measure import FacetName, facet_method
 from uvshear.extraction.cell_average import CellAverageFacets, ScaleLengths
@@ -188,3 +191,25 @@ def test_a_uv_range_beyond_all_baselines_is_refused(
     assert outcome.status == 2
     assert "--uv-min 1e+09: the longest baseline there is" in outcome.err
     assert not output.exists()
+
+
+@pytest.mark.real
+@pytest.mark.parametrize(
+    ("archive", "options"),
+    [
+        ("day2_TDEM0003_10s_norx_1src_1spw.ms.tar.gz", ()),
+        ("tDish.MS.tgz", ("--ignore-flags",)),  # every visibility of it is flagged
+        ("tOSKAR.in_MS.tgz", ()),
+    ],
+)
+def test_real_sets_are_measured_at_the_phase_centre(
+    uvshear: Callable, tmp_path: Path, archive: str, options: tuple[str, ...]
+) -> None:
+    """Raw data of no known source: a row with a flag, in the end, and not a word more."""
+    path = real_set(tmp_path, archive)
+    Table({"l": [0.0], "m": [0.0], "flux": [1000.0] * units.uJy}).write(tmp_path / "one.ecsv")
+    output = tmp_path / "shapes.ecsv"
+    words = ("measure", path, "--catalogue", tmp_path / "one.ecsv", "-o", output, *options)
+    outcome = uvshear(*words)
+    assert outcome.status == 0, outcome.err
+    assert len(read_shapes(output)) == 1

@@ -1,8 +1,10 @@
 """Small Measurement Sets, built by the tests that read them."""
 
+import tarfile
 from pathlib import Path
 
 import numpy as np
+import pytest
 from casacore import tables
 
 from uvshear.galaxy import Exponential, Galaxies
@@ -13,6 +15,9 @@ from uvshear.interferometer.noise import CorrelationNoise
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.io.measurement_set_writer import write_measurement_set
 from uvshear.simulation.observation import SimulatedObservation
+
+REAL = Path(__file__).parents[3] / "shared" / "data" / "real"
+
 
 PHASE_CENTRE = PhaseCentre(1.0, -0.5)
 SEFD = ((13.5, 500.0), (15.0, 320.0))
@@ -52,3 +57,11 @@ def change(path: Path, column: str, value, rows=None, subtable: str = "") -> Non
         values = table.getcol(column)
         values[slice(None) if rows is None else rows] = value
         table.putcol(column, values)
+
+
+def real_set(tmp_path, archive):
+    if not REAL.is_dir():
+        pytest.skip(f"no {REAL}: the real sets do not come with the package")
+    with tarfile.open(REAL / archive) as tar:
+        tar.extractall(tmp_path, filter="data")
+    return next(entry for entry in tmp_path.iterdir() if (entry / "table.dat").is_file())

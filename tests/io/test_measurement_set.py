@@ -3,21 +3,17 @@
 import pickle
 import resource
 import shutil
-import tarfile
-from pathlib import Path
 
 import numpy as np
 import pytest
 from casacore import tables
 
-from tests.io.measurement_sets import PHASE_CENTRE, change, simulated, written
+from tests.io.measurement_sets import PHASE_CENTRE, change, real_set, simulated, written
 from uvshear.errors import InputError
 from uvshear.interferometer.stokes import Hands
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.measurement_set import MeasurementSet
 from uvshear.io.measurement_set_writer import write_measurement_set
-
-REAL = Path(__file__).parents[3] / "shared" / "data" / "real"
 
 
 @pytest.fixture
@@ -375,14 +371,6 @@ def test_crossed_hands_alone_are_an_error(path):
 # Real ones
 
 
-def _real(tmp_path, archive):
-    if not REAL.is_dir():
-        pytest.skip(f"no {REAL}: the real sets do not come with the package")
-    with tarfile.open(REAL / archive) as tar:
-        tar.extractall(tmp_path, filter="data")
-    return next(entry for entry in tmp_path.iterdir() if (entry / "table.dat").is_file())
-
-
 def _direct(path, rows=slice(None)):
     """Stokes I and weights, read in the plainest way."""
     with tables.table(str(path), ack=False) as main:
@@ -406,7 +394,7 @@ def _direct(path, rows=slice(None)):
     ],
 )
 def test_a_real_set_is_read(tmp_path, archive, samples, types):
-    path = _real(tmp_path, archive)
+    path = real_set(tmp_path, archive)
     measured = MeasurementSet(path, memory=2**20)
     read = _all(measured)
     assert read[0].shape == samples
@@ -418,14 +406,14 @@ def test_a_real_set_is_read(tmp_path, archive, samples, types):
 
 @pytest.mark.real
 def test_a_real_meerkat_set_is_all_flagged(tmp_path):
-    path = _real(tmp_path, "tDish.MS.tgz")
+    path = real_set(tmp_path, "tDish.MS.tgz")
     with pytest.raises(InputError, match="all visibilities are flagged"):
         list(MeasurementSet(path).chunks())
 
 
 @pytest.mark.real
 def test_a_real_meerkat_set_is_read_once_unflagged(tmp_path):
-    path = _real(tmp_path, "tDish.MS.tgz")
+    path = real_set(tmp_path, "tDish.MS.tgz")
     change(path, "FLAG", False)
     change(path, "FLAG_ROW", False)
     measured = MeasurementSet(path)
@@ -443,3 +431,12 @@ def test_a_row_without_uvw_is_left_out_and_counted(tmp_path):
     for chunk in observation.chunks():
         assert np.isfinite(chunk.uvw).all()
     assert observation.summary().non_finite == 4
+
+
+def test_flags_can_be_left_unheeded(tmp_path):
+    path = written(tmp_path)
+    everything = MeasurementSet(path).summary().usable
+    change(path, "FLAG", True)
+    with pytest.raises(InputError, match="all visibilities are flagged"):
+        list(MeasurementSet(path).chunks())
+    assert MeasurementSet(path, heeds_flags=False).summary().usable == everything

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from casacore import tables
 
-from tests.io.measurement_sets import change, written
-from tests.io.test_measurement_set import _real
+from tests.io.measurement_sets import change, real_set, written
 from uvshear.io.uvw_sign import uvw_sign_agrees
 
 
@@ -48,4 +47,4 @@ def test_autocorrelations_alone_are_unclear(tmp_path):
     ],
 )
 def test_real_sets_have_a_sense(tmp_path, archive, sense):
-    assert uvw_sign_agrees(_real(tmp_path, archive)) is sense
+    assert uvw_sign_agrees(real_set(tmp_path, archive)) is sense

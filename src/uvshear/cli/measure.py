@@ -71,6 +71,9 @@ def measure(
     field: Annotated[
         str | None, typer.Option(help="Field (name or number), where a set holds several.")
     ] = None,
+    ignore_flags: Annotated[
+        bool, typer.Option("--ignore-flags", help="Take flagged visibilities too, for a look.")
+    ] = False,
     size_prior: Annotated[
         SizePriorName, typer.Option(help="Prior on the size: by the flux, or scale_length.")
     ] = SizePriorName.FLUX,
@@ -119,7 +122,9 @@ def measure(
         raise InputError(
             f"{catalogue}: has no column 'scale_length', which --size-prior catalogue needs"
         )
-    observation = open_observation(measurement_sets, column, field_of(field))
+    observation = open_observation(
+        measurement_sets, column, field_of(field), heeds_flags=not ignore_flags
+    )
     options = MeasurementOptions(
         facet=facet_method(facet, facet_size),
         profile=profile_of(profile),

@@ -89,12 +89,15 @@ class MeasurementSet:
         FIELD_ID or name; needed only where rows of several fields are present.
     memory
         Size of a chunk's buffers, whatever the number of rows [bytes].
+    heeds_flags
+        False takes flagged visibilities too: for a look at a set whose flags are wrong.
     """
 
     path: str | Path
     column: str = "DATA"
     field: int | str | None = None
     memory: int = 2**25
+    heeds_flags: bool = True
     header: Header = dataclasses.field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -143,7 +146,7 @@ class MeasurementSet:
     def _read(self) -> Iterator[tuple[Visibilities, MeasurementSetSummary]]:
         path = Path(self.path)
         with open_table(path) as main, casacore_errors(path, f"column {self.column}"):
-            reader = _Reader(main, self.column, self.header)
+            reader = _Reader(main, self.column, self.header, heeds_flags=self.heeds_flags)
             for start in range(0, self.header.rows, self.rows_per_chunk):
                 count = min(self.rows_per_chunk, self.header.rows - start)
                 for description, rows in reader.split(start, count):
@@ -153,10 +156,13 @@ class MeasurementSet:
 class _Reader:
     """One pass over an open table, with buffers used again from chunk to chunk."""
 
-    def __init__(self, main: tables.table, column: str, header: Header) -> None:
+    def __init__(
+        self, main: tables.table, column: str, header: Header, *, heeds_flags: bool
+    ) -> None:
         self.main = main
         self.column = column
         self.header = header
+        self.heeds_flags = heeds_flags
         self.dtype = np.dtype("c16" if main.coldatatype(column) == "dcomplex" else "c8")
         self.has_flag_row = "FLAG_ROW" in main.colnames()
         self.buffers: dict[str, Array] = {}
@@ -188,6 +194,8 @@ class _Reader:
         flags = self._fill(table, "FLAG", start, shape, np.dtype(bool))
         if self.has_flag_row:
             flags |= table.getcol("FLAG_ROW", start, count)[:, None, None]
+        if not self.heeds_flags:
+            flags[:] = False
         weights = self._weights(table, start, shape)
         uvw = np.empty((count, 3))
         table.getcolnp("UVW", uvw, start, count)

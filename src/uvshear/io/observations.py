@@ -29,7 +29,11 @@ class JointObservation:
 
 
 def open_observation(
-    paths: Sequence[Path], column: str = "DATA", field: int | str | None = None
+    paths: Sequence[Path],
+    column: str = "DATA",
+    field: int | str | None = None,
+    *,
+    heeds_flags: bool = True,
 ) -> Observation:
     """Open one or more Measurement Sets of the same phase centre."""
     if not paths:
@@ -38,7 +42,9 @@ def open_observation(
     for index, path in enumerate(resolved):
         if path in resolved[:index]:
             raise InputError(f"{paths[index]}: is given twice; its visibilities would count twice")
-    parts = tuple(MeasurementSet(path, column=column, field=field) for path in paths)
+    parts = tuple(
+        MeasurementSet(path, column=column, field=field, heeds_flags=heeds_flags) for path in paths
+    )
     first = parts[0].phase_centre
     for path, part in zip(paths[1:], parts[1:], strict=True):
         other = part.phase_centre
