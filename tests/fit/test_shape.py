@@ -145,3 +145,15 @@ def test_cells_without_power_do_no_harm():
     spilt = replace(facet, power=np.where(np.arange(600) % 3 == 0, -0.2, 1.0) * facet.power)
     shape = measure_shape(spilt, PRIOR, EXPONENTIAL)
     assert np.all(np.isfinite(shape.ellipticity)) or shape.flag is not FitFlag.OK
+
+
+@pytest.mark.parametrize("seed", [19, 26, 30])
+def test_a_posterior_narrower_than_the_data_can_make_it_is_not_believed(seed):
+    """Noise thirty times what the weights claim: a bump of it in the likelihood, 0.13 to 0.39 of the Fisher error."""
+    facet, _ = noise_free(0.3 + 0.1j, snr=30.0)
+    noise = np.random.default_rng(seed).normal(size=(2, len(facet.power)))
+    wild = 30 * np.sqrt(facet.power) * (noise[0] + 1j * noise[1])
+    shape = measure_shape(replace(facet, correlation=facet.correlation + wild), PRIOR, EXPONENTIAL)
+    assert shape.flag is FitFlag.UNRELIABLE
+    assert shape.best is None
+    assert np.all(np.isfinite(shape.ellipticity))

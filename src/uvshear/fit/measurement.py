@@ -22,6 +22,7 @@ class FitFlag(Enum):
     UNDETERMINED = "too few baselines to fix a position"
     OFF_POSITION = "the best position is outside the prior on the position"
     NOT_CONVERGED = "the maximum of the likelihood, or the extent of the posterior, was not found"
+    UNRELIABLE = "the posterior is narrower than data and prior can make it"
 
     @property
     def word(self) -> str:
