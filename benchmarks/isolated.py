@@ -31,7 +31,7 @@ from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.measurement import MeasurementOptions
+from uvshear.measurement import MeasurementOptions, PaperExtraction
 from uvshear.predict import predict_visibilities
 from uvshear.shear.slope import fit_slope
 from uvshear.simulation.field import DiscField
@@ -47,7 +47,8 @@ def main() -> None:
     galaxies = draw(arguments.galaxies, arguments.seed)
     snr = np.geomspace(*arguments.snr[[0, -1]], arguments.galaxies)
     snr = np.random.default_rng(arguments.seed + 1).permutation(snr)
-    options = MeasurementOptions(facet=facet_method(arguments), rounds=arguments.rounds)
+    extraction = PaperExtraction(facet=facet_method(arguments), rounds=arguments.rounds)
+    options = MeasurementOptions(extraction=extraction)
     jobs = [
         (galaxies.select(np.array([i])), snr[i], arguments.seed + 100 + i, arguments, options)
         for i in range(arguments.galaxies)

@@ -18,8 +18,8 @@ from uvshear.geometry.directions import PhaseCentre, equatorial
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.catalogue import Catalogue
 from uvshear.io.shapes import COLUMNS
-from uvshear.measurement import MeasurementOptions
-from uvshear.pipeline import estimate_shear, measure
+from uvshear.measurement import MeasurementOptions, PaperExtraction
+from uvshear.pipeline import estimate_shear, extract, measure
 from uvshear.predict import predict_visibilities
 from uvshear.shear.weight import lensfit_weight
 
@@ -179,8 +179,9 @@ def test_progress_ends_where_it_said(field):
     assert len(set(total)) == 1
 
 
-def test_the_papers_facets_measure_the_same_field(field, shapes):
-    other = measure(field.observation, field.catalogue, replace(OPTIONS, facet=CellAverageFacets()))
+def test_the_papers_extraction_measures_the_same_field(field, shapes):
+    options = replace(OPTIONS, extraction=PaperExtraction(CellAverageFacets()))
+    other = measure(field.observation, field.catalogue, options)
     assert other["flag"].tolist() == shapes["flag"].tolist()
     difference = np.hypot(other["e1"] - shapes["e1"], other["e2"] - shapes["e2"])[GOOD]
     assert np.all(difference < 0.05)
@@ -205,9 +206,18 @@ def test_an_observation_without_weight_is_an_error(field):
         measure(replace(field.observation, blocks=blocks), field.catalogue, OPTIONS)
 
 
-def test_less_than_one_round_is_an_error():
-    with pytest.raises(InputError, match="0 rounds"):
-        MeasurementOptions(rounds=0)
+def test_the_sky_that_was_found_leaves_noise(field):
+    """Every modelled source is in it, fitted or not: without the point source 9 sigma^2 would be left."""
+    seen, extracted = extract(field.observation, field.catalogue, OPTIONS)
+    sky = extracted.sky.select(seen.modelled)
+    assert len(extracted.sky) == len(field.catalogue)
+    left = np.concatenate(
+        [
+            np.abs(b.stokes_i - predict_visibilities(sky, b.uvw, FREQUENCY))[b.weights > 0]
+            for b in field.observation.blocks
+        ]
+    )
+    assert np.mean(left**2) == pytest.approx(2 * SIGMA**2, rel=0.05)
 
 
 @pytest.mark.parametrize("bearing", [20.0, 110.0, 255.0])

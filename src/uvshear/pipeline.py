@@ -2,10 +2,10 @@
 
 1. Read the observation once: how long are its baselines, is there anything (``interferometer.extent``).
 2. Begin with a sky of round galaxies of the catalogue's fluxes and of median size.
-3. In decreasing flux, side by side where they are far apart (``measurement.sweep``): subtract everything
-   modelled, gather the facet of a source (``extraction``), put its own model back, fit it (``fit``), and let
-   the fitted galaxy replace the round one in the sky.
-4. Again, with the better sky; in the last round sample the posterior of the ellipticity.
+3. Tell the sources apart (``measurement.extraction``): take everything modelled away, cut out a source
+   (``extraction``), put its own model back, fit it (``fit``), and let the fitted galaxy replace the round one in
+   the sky, until every source has been measured against a sky that is good.
+4. Tabulate.
 5. Turn ellipticities into shear (``shear``).
 """
 
@@ -31,7 +31,7 @@ from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
-from uvshear.measurement import Field, MeasurementOptions, Progress, Sweep
+from uvshear.measurement import Extracted, Field, MeasurementOptions, Progress
 from uvshear.shear.mean import ShearEstimate, weighted_mean_shear
 from uvshear.shear.weight import lensfit_weight
 from uvshear.simulation.lensing import shear_galaxies
@@ -101,13 +101,67 @@ def measure(
     """
     options = options or MeasurementOptions()
     sources = catalogue_from_table(catalogue) if isinstance(catalogue, Table) else catalogue
+    field, extracted = extract(observation, sources, options, progress=progress)
+    return tabulate(sources, field, extracted, observation.phase_centre, options)
+
+
+def extract(
+    observation: Observation,
+    catalogue: Catalogue,
+    options: MeasurementOptions,
+    *,
+    progress: Progress | None = None,
+) -> tuple[Field, Extracted]:
+    """Measure the sources, and keep the sky that was found: what is left is the data less it.
+
+    That is ``extracted.sky.select(field.modelled)`` with ``options.profile``.
+    """
     extent = measure_extent(observation)
-    field = _prepare(sources, observation.phase_centre, extent, options)
-    sweep = Sweep(observation, field, options, progress)
-    for _ in range(options.rounds - 1):
-        sweep.improve_sky()
-    measurements = sweep.measure_shapes()
-    return _tabulate(sources, field, measurements, observation.phase_centre, options)
+    field = _prepare(catalogue, observation.phase_centre, extent, options)
+    return field, options.extraction.measure(observation, field, options, progress)
+
+
+def tabulate(
+    catalogue: Catalogue,
+    field: Field,
+    extracted: Extracted,
+    phase_centre: PhaseCentre,
+    options: MeasurementOptions,
+) -> Table:
+    """Shapes of what was extracted; one row a source, in the catalogue's order."""
+    results = [
+        extracted.measurements.get(source, ShapeMeasurement.failed(flag))
+        for source, flag in enumerate(field.flags)
+    ]
+    e = np.array([result.ellipticity for result in results])
+    covariance = np.array([result.covariance for result in results])
+    offset = np.array([result.offset for result in results])
+    e_sigma = np.array([result.e_sigma for result in results])
+    is_ok = np.array([result.flag is FitFlag.OK for result in results])
+    columns = {
+        "id": catalogue.identifier,
+        "l": field.l,
+        "m": field.m,
+        "flux": catalogue.flux,
+        "e1": e[:, 0],
+        "e2": e[:, 1],
+        "e1_err": np.sqrt(covariance[:, 0, 0]),
+        "e2_err": np.sqrt(covariance[:, 1, 1]),
+        "e12_cov": covariance[:, 0, 1],
+        "e_sigma": e_sigma,
+        "weight": np.where(is_ok, lensfit_weight(e_sigma, options.population), 0.0),
+        "snr": np.array([result.snr for result in results]),
+        "scale_length": np.array([result.scale_length for result in results]),
+        "scale_length_err": np.array([result.scale_length_err for result in results]),
+        "flux_fit": np.array([result.flux for result in results]),
+        "flux_fit_err": np.array([result.flux_err for result in results]),
+        "dl": offset[:, 0],
+        "dm": offset[:, 1],
+        "flag": np.array([result.flag.word for result in results]),
+    }
+    if catalogue.ra is not None and catalogue.dec is not None:
+        columns |= {"ra": catalogue.ra, "dec": catalogue.dec}
+    return shapes_table(columns, phase_centre, record=extracted.record)
 
 
 def estimate_shear(shapes: Table, *, snr_min: float = 0.0, seed: int = 1) -> ShearEstimate:
@@ -154,45 +208,3 @@ def _prepare(
     longest = min(options.uv_range.maximum, extent.longest)
     uv_range = replace(options.uv_range, maximum=longest)
     return Field(l, m, sky, size, np.flatnonzero(is_modelled), flags, uv_range, extent)
-
-
-def _tabulate(
-    sources: Catalogue,
-    field: Field,
-    measurements: dict[int, ShapeMeasurement],
-    phase_centre: PhaseCentre,
-    options: MeasurementOptions,
-) -> Table:
-    results = [
-        measurements.get(source, ShapeMeasurement.failed(flag))
-        for source, flag in enumerate(field.flags)
-    ]
-    e = np.array([result.ellipticity for result in results])
-    covariance = np.array([result.covariance for result in results])
-    offset = np.array([result.offset for result in results])
-    e_sigma = np.array([result.e_sigma for result in results])
-    is_ok = np.array([result.flag is FitFlag.OK for result in results])
-    columns = {
-        "id": sources.identifier,
-        "l": field.l,
-        "m": field.m,
-        "flux": sources.flux,
-        "e1": e[:, 0],
-        "e2": e[:, 1],
-        "e1_err": np.sqrt(covariance[:, 0, 0]),
-        "e2_err": np.sqrt(covariance[:, 1, 1]),
-        "e12_cov": covariance[:, 0, 1],
-        "e_sigma": e_sigma,
-        "weight": np.where(is_ok, lensfit_weight(e_sigma, options.population), 0.0),
-        "snr": np.array([result.snr for result in results]),
-        "scale_length": np.array([result.scale_length for result in results]),
-        "scale_length_err": np.array([result.scale_length_err for result in results]),
-        "flux_fit": np.array([result.flux for result in results]),
-        "flux_fit_err": np.array([result.flux_err for result in results]),
-        "dl": offset[:, 0],
-        "dm": offset[:, 1],
-        "flag": np.array([result.flag.word for result in results]),
-    }
-    if sources.ra is not None and sources.dec is not None:
-        columns |= {"ra": sources.ra, "dec": sources.dec}
-    return shapes_table(columns, phase_centre)

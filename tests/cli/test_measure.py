@@ -2,6 +2,7 @@ import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,11 +11,13 @@ from astropy.table import Table
 from casacore import tables
 
 from tests.io.measurement_sets import real_set
-from uvshear import __version__
-from uvshear.cli.measure import FacetName, facet_method
-from uvshear.extraction.cell_average import CellAverageFacets, ScaleLengths
+from uvshear import __version__, pipeline
+from uvshear.cli.measure import ExtractionName, FacetName, extraction_of
+from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
 from uvshear.extraction.exact import ExactFacets
 from uvshear.io.shapes import COLUMNS, read_shapes
+from uvshear.measurement import MeasurementOptions, PaperExtraction
+from uvshear.measurement.options import default_extraction
 
 CONTRACT = 21
 """Columns that commands.md fixes, the first of the table."""
@@ -45,16 +48,51 @@ def test_two_sets_of_a_pointing_are_measured_together(
     snr = []
     for name, sets in (("one.ecsv", [field]), ("two.ecsv", [field, copy])):
         words = ("measure", *sets, "--catalogue", catalogue, "-o", tmp_path / name)
-        assert uvshear(*words, "--rounds", "1").status == 0
+        assert uvshear(*words, "--extraction", "paper").status == 0
         snr.append(np.asarray(read_shapes(tmp_path / name)["snr"]))
     np.testing.assert_allclose(snr[1] / snr[0], np.sqrt(2), rtol=0.05)
 
 
-def test_facets_are_chosen_by_name_and_size() -> None:
-    assert facet_method(FacetName.EXACT, None) == ExactFacets()
-    assert facet_method(FacetName.EXACT, 80.0) == ExactFacets(80.0)
-    assert facet_method(FacetName.CELL_AVERAGE, None) == CellAverageFacets(ScaleLengths(38))
-    assert facet_method(FacetName.CELL_AVERAGE, 76.0) == CellAverageFacets(ScaleLengths(76))
+def test_extraction_and_facets_are_chosen_by_name_and_size() -> None:
+    converged, paper = ExtractionName.CONVERGED, ExtractionName.PAPER
+    exact, cells = FacetName.EXACT, FacetName.CELL_AVERAGE
+    for facet in (None, exact):
+        assert extraction_of(converged, facet, None, None) == default_extraction()
+    for facet in (None, cells):
+        assert extraction_of(paper, facet, None, None) == PaperExtraction(
+            CellAverageFacets(PaperTable()), rounds=1
+        )
+    assert extraction_of(paper, cells, 76.0, 3) == PaperExtraction(
+        CellAverageFacets(ScaleLengths(76)), rounds=3
+    )
+    assert extraction_of(paper, exact, None, None) == PaperExtraction(ExactFacets())
+    assert extraction_of(paper, exact, 80.0, None) == PaperExtraction(ExactFacets(80.0))
+
+
+def test_extraction_and_memory_reach_the_measurement(
+    uvshear: Callable,
+    tmp_path: Path,
+    field: Path,
+    catalogue: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    heard: list[MeasurementOptions] = []
+    measure = pipeline.measure
+
+    def listening(observation: Any, sources: Any, options: MeasurementOptions, **more: Any) -> Any:
+        heard.append(options)
+        return measure(observation, sources, options, **more)
+
+    monkeypatch.setattr(pipeline, "measure", listening)
+    output = tmp_path / "shapes.fits"
+    words = ("measure", field, "--catalogue", catalogue, "-o", output)
+    more = ("--extraction", "paper", "--memory-gb", "1.5")
+    assert uvshear(*words, *more).status == 0
+    assert heard[0].extraction == PaperExtraction()
+    assert heard[0].memory == 1.5e9
+    meta = read_shapes(output).meta
+    assert json.loads(meta["EXTRACT"])["facet"] == "CellAverageFacets"
+    assert json.loads(meta["OPTIONS"])["extraction"] == "paper"
 
 
 @pytest.mark.parametrize(
@@ -65,7 +103,11 @@ def test_facets_are_chosen_by_name_and_size() -> None:
         ("--uv-max 0", "'--uv-max': 0 is not above 0"),
         ("--uv-min 5000 --uv-max 3000", "--uv-min 5000 --uv-max 3000: uv-min < uv-max"),
         ("--facet-size -38", "'--facet-size': -38 is not above 0"),
-        ("--rounds 0", "'--rounds': 0 is not above 0"),
+        ("--extraction paper --rounds 0", "'--rounds': 0 is not above 0"),
+        ("--rounds 3", "--extraction converged --rounds 3: it goes on until nothing changes"),
+        ("--facet cell-average", "--extraction converged --facet cell-average: its facets are"),
+        ("--extraction both", "--extraction"),
+        ("--memory-gb 0", "'--memory-gb': 0 is not above 0"),
         ("--threads -1", "--threads"),
         ("--size-prior catalogue", "has no column 'scale_length'"),
         ("--reference-frequency-mhz -3", "-3 is not above 0"),

@@ -1,3 +1,4 @@
+import json
 from pathlib import Path
 
 import numpy as np
@@ -55,7 +56,8 @@ def _values(n: int = 4) -> dict[str, Array]:
 
 def _table() -> Table:
     provenance = Provenance("uvshear measure α.ms", ("α.ms", "cat.fits"), {"uv_min": 1000.0})
-    return shapes_table(_values(), CENTRE, provenance)
+    record = {"method": "a way of its own, " * 9, "sweeps": 3, "change": 1e-3, "done": True}
+    return shapes_table(_values(), CENTRE, provenance, record=record)
 
 
 def test_the_columns_are_those_of_the_contract_in_its_order() -> None:
@@ -83,6 +85,9 @@ def test_units_descriptions_and_provenance_survive_a_file(tmp_path: Path, suffix
     assert meta["command"] == r"uvshear measure \u03b1.ms"
     assert meta["inputs"] == r'["\u03b1.ms", "cat.fits"]'
     assert meta["options"] == '{"uv_min": 1000.0}'
+    record = json.loads(meta["extract"])
+    assert record.pop("method") == "a way of its own, " * 9  # longer than a card of FITS
+    assert record == {"sweeps": 3, "change": 1e-3, "done": True}
 
 
 def test_units_at_the_edge_are_degrees_arcseconds_and_microjansky() -> None:

@@ -23,9 +23,16 @@ from uvshear.cli.terminal import progress_bar, say, warn
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
-    from uvshear.extraction.facets import FacetMethod
+    from uvshear.measurement import Extraction
 
 EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits -o SHAPES.fits"
+
+
+class ExtractionName(StrEnum):
+    """How sources are told apart."""
+
+    CONVERGED = "converged"
+    PAPER = "paper"
 
 
 class FacetName(StrEnum):
@@ -60,12 +67,27 @@ def measure(
     uv_max: Annotated[
         float | None, typer.Option(callback=positive, help="Longest baseline used [wavelengths].")
     ] = None,
+    extraction: Annotated[
+        ExtractionName,
+        typer.Option(help="Until nothing changes, or as Rivi & Miller 2018: one pass."),
+    ] = ExtractionName.CONVERGED,
     facet: Annotated[
-        FacetName, typer.Option(help="exact, or the paper's averages in uv cells.")
-    ] = FacetName.EXACT,
+        FacetName | None,
+        typer.Option(
+            help="exact (converged), or the paper's averages in uv cells (paper).",
+            show_default=False,
+        ),
+    ] = None,
     facet_size: Annotated[
         float | None,
-        typer.Option(callback=positive, help="Field of view of a facet, in scale lengths."),
+        typer.Option(
+            callback=positive,
+            help="Field of view of a facet, in scale lengths; by default the paper's have its Table 1's cells.",
+        ),
+    ] = None,
+    rounds: Annotated[
+        int | None,
+        typer.Option(callback=positive, help="Passes over the sources; paper only, there 1."),
     ] = None,
     column: Annotated[str, typer.Option(help="Column of visibilities.")] = "DATA",
     field: Annotated[
@@ -87,9 +109,6 @@ def measure(
             help="How far the catalogue's positions may be off; by default the correlation's width.",
         ),
     ] = None,
-    rounds: Annotated[
-        int, typer.Option(callback=positive, help="Passes over the sources; exact facets need two.")
-    ] = 2,
     flux_unit: Annotated[
         str | None, typer.Option(help="Unit of a flux column that has none (CSV).")
     ] = None,
@@ -98,10 +117,18 @@ def measure(
         typer.Option(callback=positive, help="Of the catalogue's fluxes, whatever it says."),
     ] = None,
     threads: Threads = 0,
+    memory_gb: Annotated[
+        float | None,
+        typer.Option(
+            callback=positive,
+            help="Memory for what would be worked out again [GB]; by default half of the machine's.",
+        ),
+    ] = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Measure the ellipticity of every source of a catalogue from the visibilities."""
     uv_range = uv_range_of(uv_min, uv_max)
+    way = extraction_of(extraction, facet, facet_size, rounds)
 
     from uvshear.constants import ARCSEC
     from uvshear.galaxy import CatalogueSize, SizeFluxRelation
@@ -112,6 +139,7 @@ def measure(
     from uvshear.io.shapes import write_shapes
     from uvshear.io.tables import check_table_name
     from uvshear.measurement import MeasurementOptions
+    from uvshear.measurement.options import half_of_memory
     from uvshear.pipeline import measure as measure_shapes
 
     check_table_name(output)
@@ -126,15 +154,15 @@ def measure(
         measurement_sets, column, field_of(field), heeds_flags=not ignore_flags
     )
     options = MeasurementOptions(
-        facet=facet_method(facet, facet_size),
+        extraction=way,
         profile=profile_of(profile),
         size=SizeFluxRelation() if size_prior is SizePriorName.FLUX else CatalogueSize(),
         uv_range=uv_range,
         position_radius=(
             None if position_radius_arcsec is None else position_radius_arcsec * ARCSEC
         ),
-        rounds=rounds,
         threads=thread_count(threads),
+        memory=half_of_memory() if memory_gb is None else memory_gb * 1e9,
     )
     with progress_bar("measuring") as progress:
         shapes = measure_shapes(observation, sources, options, progress=progress)
@@ -147,13 +175,42 @@ def measure(
     say(f"{output}: {measured} of {len(shapes)} sources measured")
 
 
-def facet_method(name: FacetName, scale_lengths: float | None) -> "FacetMethod":
-    """Return the way of making facets, ``scale_lengths`` wide if given."""
-    from uvshear.extraction.cell_average import CellAverageFacets, ScaleLengths
-    from uvshear.extraction.exact import ExactFacets
+def extraction_of(
+    name: ExtractionName, facet: FacetName | None, facet_size: float | None, rounds: int | None
+) -> "Extraction":
+    """Return the way of telling sources apart; facets are ``facet_size`` scale lengths wide, if given."""
+    if name is ExtractionName.CONVERGED:
+        if facet is FacetName.CELL_AVERAGE:
+            raise InputError(
+                "--extraction converged --facet cell-average: its facets are exact;"
+                " --extraction paper is needed, or --facet exact"
+            )
+        if rounds is not None:
+            raise InputError(
+                f"--extraction converged --rounds {rounds}: it goes on until nothing changes;"
+                " --extraction paper is needed, or no --rounds"
+            )
+        return _converged(facet_size)
+    return _paper(facet or FacetName.CELL_AVERAGE, facet_size, rounds or 1)
 
-    if name is FacetName.EXACT:
-        return ExactFacets() if scale_lengths is None else ExactFacets(scale_lengths)
-    if scale_lengths is None:
-        return CellAverageFacets()
-    return CellAverageFacets(ScaleLengths(scale_lengths))
+
+def _converged(facet_size: float | None) -> "Extraction":
+    from uvshear.extraction.exact import ExactFacets
+    from uvshear.measurement import PaperExtraction
+    from uvshear.measurement.options import default_extraction
+
+    if facet_size is None:
+        return default_extraction()
+    return PaperExtraction(ExactFacets(facet_size), rounds=2)
+
+
+def _paper(facet: FacetName, facet_size: float | None, rounds: int) -> "Extraction":
+    from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
+    from uvshear.extraction.exact import ExactFacets
+    from uvshear.measurement import PaperExtraction
+
+    if facet is FacetName.EXACT:
+        exact = ExactFacets() if facet_size is None else ExactFacets(facet_size)
+        return PaperExtraction(exact, rounds)
+    rule = PaperTable() if facet_size is None else ScaleLengths(facet_size)
+    return PaperExtraction(CellAverageFacets(rule), rounds)

@@ -19,6 +19,11 @@ class Provenance:
         return {
             "version": f"uvshear {version('uvshear')}",
             "command": self.command.encode("ascii", "backslashreplace").decode(),
-            "inputs": json.dumps(list(self.inputs)),
-            "options": json.dumps(dict(self.options), default=str),
+            "inputs": ascii_text(list(self.inputs)),
+            "options": ascii_text(dict(self.options)),
         }
+
+
+def ascii_text(value: object) -> str:
+    """Numbers, words, lists and mappings as JSON in ASCII, which every table format keeps."""
+    return json.dumps(value, default=str)

@@ -12,7 +12,7 @@ from uvshear.constants import ARCSEC, MICROJANSKY
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre, equatorial, local_north
 from uvshear.geometry.ellipticity import lensing_components, position_angle, to_local_north
-from uvshear.io.provenance import Provenance
+from uvshear.io.provenance import Provenance, ascii_text
 from uvshear.io.tables import read_table, write_table
 from uvshear.typing import Array, Float, Shaped
 
@@ -69,6 +69,8 @@ def shapes_table(
     values: Mapping[str, Shaped[Array, " source"]],
     phase_centre: PhaseCentre,
     provenance: Provenance | None = None,
+    *,
+    record: Mapping[str, object] | None = None,
 ) -> Table:
     """Table of shapes from columns in SI and radians, in the units that files have.
 
@@ -78,6 +80,8 @@ def shapes_table(
         Every column but those of :data:`DERIVED`; of these, ``ra`` and ``dec`` are taken if given.
     phase_centre
         Direction of l = m = 0.
+    record
+        How the sources were told apart; text in ``meta["extract"]``.
     """
     needed = [name for name in COLUMNS if name not in DERIVED]
     if lacking := [name for name in needed if name not in values]:
@@ -95,6 +99,8 @@ def shapes_table(
         table[name] = Column(outside, unit=column.unit, description=column.description)
     table.meta["ra0_deg"] = float(np.degrees(phase_centre.ra))
     table.meta["dec0_deg"] = float(np.degrees(phase_centre.dec))
+    if record is not None:
+        table.meta["extract"] = ascii_text(dict(record))
     if provenance is not None:
         table.meta.update(provenance.metadata())
     return table

@@ -1,11 +1,19 @@
-"""The sweep over the sources: where extraction and fit meet.
+"""The measurement of the sources of a field: where extraction and fit meet.
 
-``options`` says how to measure, ``field`` what there is to measure, ``sweep`` does it: facets out of the visibilities,
-galaxies out of facets, and back into the sky that is subtracted.
+``field`` is what there is to measure, ``options`` how. ``extraction`` is what every way of telling sources apart has in
+common, and each way is one module: ``paper`` (Rivi & Miller 2018), over the ``sweep``.
 """
 
+from uvshear.measurement.extraction import Extracted, Extraction, Progress
 from uvshear.measurement.field import Field
 from uvshear.measurement.options import MeasurementOptions
-from uvshear.measurement.sweep import Progress, Sweep
+from uvshear.measurement.paper import PaperExtraction
 
-__all__ = ["Field", "MeasurementOptions", "Progress", "Sweep"]
+__all__ = [
+    "Extracted",
+    "Extraction",
+    "Field",
+    "MeasurementOptions",
+    "PaperExtraction",
+    "Progress",
+]

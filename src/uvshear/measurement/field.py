@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uvshear.extraction.facets import UvRange
-from uvshear.fit.measurement import FitFlag
-from uvshear.galaxy import Galaxies, SizePrior
+from uvshear.extraction.facets import Target, UvRange
+from uvshear.fit.measurement import FitFlag, GalaxyFit
+from uvshear.fit.prior import ShapePrior
+from uvshear.galaxy import EllipticityPrior, Galaxies, SizePrior
 from uvshear.interferometer.extent import Extent
 from uvshear.typing import Array, Float, Int, Shaped
 
@@ -46,3 +47,24 @@ class Field:
     def measured(self) -> Int[Array, " member"]:
         """Sources to be fitted, as indices of the catalogue."""
         return np.flatnonzero(self.flags == FitFlag.OK)
+
+    def target(self, source: int, fit: GalaxyFit | None = None) -> Target:
+        """Tell what to cut out of the visibilities for a source; ``fit`` is what is known of it."""
+        return Target(
+            galaxy=self.sky.select(np.array([source])),
+            scale_length=float(np.exp(self.size.log_median[source])),
+            uv_range=self.uv_range,
+            frequency=self.extent.frequency,
+            half_width=fit.half_width if fit else 0.0,
+        )
+
+    def prior(
+        self, source: int, position_radius: float | None, ellipticity: EllipticityPrior
+    ) -> ShapePrior:
+        """Prior of a source; that of its size is the field's."""
+        return ShapePrior(
+            log_scale_length=float(self.size.log_median[source]),
+            log_scale_length_sigma=float(self.size.sigma[source]),
+            position_radius=position_radius,
+            ellipticity=ellipticity,
+        )

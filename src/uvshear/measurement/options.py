@@ -1,13 +1,13 @@
 """How to measure: every alternative is an object."""
 
+import os
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
 from uvshear.extraction.exact import ExactFacets
-from uvshear.extraction.facets import FacetMethod, UvRange
+from uvshear.extraction.facets import UvRange
 from uvshear.galaxy import (
     DiscEllipticityPrior,
     EllipticityPrior,
@@ -17,6 +17,18 @@ from uvshear.galaxy import (
     SizeFluxRelation,
     SizeModel,
 )
+from uvshear.measurement.extraction import Extraction
+from uvshear.measurement.paper import PaperExtraction
+
+
+def default_extraction() -> Extraction:
+    """How sources are told apart unless something else is asked for."""
+    return PaperExtraction(facet=ExactFacets(), rounds=2)
+
+
+def half_of_memory() -> float:
+    """Half of the machine's memory [bytes]."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2
 
 
 @dataclass(frozen=True)
@@ -25,8 +37,8 @@ class MeasurementOptions:
 
     Parameters
     ----------
-    facet
-        Way of making facets: ``ExactFacets`` or ``CellAverageFacets``.
+    extraction
+        How sources are told apart; :func:`default_extraction` unless given.
     profile
         Brightness profile fitted.
     size
@@ -39,28 +51,25 @@ class MeasurementOptions:
         Baselines that take part in the shape.
     position_radius
         Radius of the uniform prior on the position [rad]; None stands for one width of the correlation's peak.
-    rounds
-        Passes over the sources.
-    separation
-        Sources closer than this are fitted one after the other, the brighter first [rad].
     field_radius
         Sources farther from the phase centre are flagged and left alone [rad].
     threads
         Results do not depend on it.
+    memory
+        That may be taken to keep what would be worked out again [bytes]; half of the machine's unless given.
     """
 
-    facet: FacetMethod = field(default_factory=ExactFacets)
+    extraction: Extraction = field(default_factory=default_extraction)
     profile: Profile = field(default_factory=Exponential)
     size: SizeModel = field(default_factory=SizeFluxRelation)
     ellipticity: EllipticityPrior = field(default_factory=FlatEllipticityPrior)
     population: EllipticityPrior = field(default_factory=DiscEllipticityPrior)
     uv_range: UvRange = field(default_factory=UvRange)
     position_radius: float | None = None
-    rounds: int = 2
-    separation: float = 60 * ARCSEC
     field_radius: float = np.radians(5.0)
     threads: int = 1
+    memory: float = field(default_factory=half_of_memory)
 
     def __post_init__(self) -> None:
-        if self.rounds < 1:
-            raise InputError(f"{self.rounds} rounds; one or more are needed")
+        if not self.memory > 0:
+            raise InputError(f"memory of {self.memory:g} bytes; more than 0 are needed")

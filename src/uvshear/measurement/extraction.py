@@ -1,0 +1,50 @@
+"""How sources are told apart: what every way of doing it takes and gives."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from uvshear.fit.measurement import ShapeMeasurement
+from uvshear.galaxy import Galaxies
+from uvshear.interferometer.visibilities import Observation
+from uvshear.measurement.field import Field
+
+if TYPE_CHECKING:  # the options hold an extraction
+    from uvshear.measurement.options import MeasurementOptions
+
+Progress = Callable[[int, int], None]
+"""Called with what is done and what there is; there may turn out to be more."""
+
+
+@dataclass(frozen=True)
+class Extracted:
+    """The sources of a field, each measured without the others.
+
+    Parameters
+    ----------
+    measurements
+        By index of the catalogue; those of ``Field.measured``.
+    sky
+        All sources of the catalogue as they were found; those that are not in ``Field.modelled`` without flux.
+    record
+        How it went: numbers and words that JSON knows, written into the metadata of the shapes.
+    """
+
+    measurements: Mapping[int, ShapeMeasurement]
+    sky: Galaxies
+    record: Mapping[str, object]
+
+
+class Extraction(ABC):
+    """A way of telling sources apart."""
+
+    @abstractmethod
+    def measure(
+        self,
+        observation: Observation,
+        field: Field,
+        options: "MeasurementOptions",
+        progress: Progress | None,
+    ) -> Extracted:
+        """Measure every source of ``field.measured``, what is around it taken away."""
