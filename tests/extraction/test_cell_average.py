@@ -12,9 +12,9 @@ from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
 from uvshear.extraction.facets import Target, UvRange
 from uvshear.extraction.kernels import add_to_cells
-from uvshear.extraction.phase import baselines_seen_from, shift_phase_centre
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import fit_galaxy
+from uvshear.imaging.phase import baselines_seen_from, shift_phase_centre
 
 FREQUENCY = np.array([1.2e9, 1.5e9])
 

@@ -9,9 +9,9 @@ from tests.extraction.sources import ALPHA, PROFILE, model_on, part, scene
 from tests.reference import dirty
 from tests.skies import galaxies
 from uvshear.extraction.exact import ExactFacets
-from uvshear.extraction.phase import baselines_seen_from
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import fit_galaxy
+from uvshear.imaging.phase import baselines_seen_from
 
 PRIOR = ShapePrior(float(np.log(ALPHA)), 0.3)
 ELONGATED = -0.5 + 0.45j

@@ -13,8 +13,8 @@ import numpy as np
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.extraction.facets import FacetBuilder, FacetMethod, Target, spectral_gain
 from uvshear.extraction.kernels import add_to_cells
-from uvshear.extraction.phase import baselines_seen_from, shift_phase_centre
 from uvshear.galaxy import Galaxies, Profile
+from uvshear.imaging.phase import baselines_seen_from, shift_phase_centre
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Visibilities
 from uvshear.predict import predict_visibilities

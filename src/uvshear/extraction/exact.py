@@ -21,10 +21,10 @@ from scipy import fft
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.extraction.facets import FacetBuilder, FacetMethod, Target, UvRange, spectral_gain
-from uvshear.extraction.phase import baselines_seen_from, shift_phase_centre
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.geometry.ellipticity import quadratic_form
 from uvshear.imaging import ImageGrid, dirty_image
+from uvshear.imaging.phase import baselines_seen_from, shift_phase_centre
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Visibilities
 from uvshear.typing import Array, Bool, Float

@@ -6,7 +6,7 @@ Sums run in that dtype over blocks of 256 cells and in float64 from there on.
 import math
 
 from uvshear.compilation import compiled
-from uvshear.predict.kernels import sine_cosine_of_turns
+from uvshear.geometry.kernels import sine_cosine_of_turns
 
 BLOCK = 256
 
@@ -113,3 +113,20 @@ def displace(x, y, shift_x, shift_y, real, imaginary, new_real, new_imaginary): 
         sine, cosine = sine_cosine_of_turns(x[i] * a + y[i] * b)
         new_real[i] = real[i] * cosine + imaginary[i] * sine
         new_imaginary[i] = imaginary[i] * cosine - real[i] * sine
+
+
+@compiled
+def turn(uv, x, y, phase):  # type: ignore[no-untyped-def]
+    """Write exp(2 pi i (u x + v y)) of each cell."""
+    for i in range(phase.size):
+        sine, cosine = sine_cosine_of_turns(uv[i, 0] * x + uv[i, 1] * y)
+        phase[i] = complex(cosine, sine)
+
+
+@compiled
+def argument(uv, form, q):  # type: ignore[no-untyped-def]
+    """Write form[0] u^2 + form[1] u v + form[2] v^2 into q."""
+    a, b, c = form
+    for i in range(q.size):
+        u, v = uv[i, 0], uv[i, 1]
+        q[i] = a * u * u + b * u * v + c * v * v

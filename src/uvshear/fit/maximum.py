@@ -70,10 +70,10 @@ def search_radius(correlator: Correlator, prior: ShapePrior) -> float:
     """Radius of the position's prior in the correlator's units."""
     if prior.position_radius is not None:
         return prior.position_radius / correlator.length
-    return _peak_width(correlator, prior)
+    return peak_width(correlator, prior)
 
 
-def _peak_width(correlator: Correlator, prior: ShapePrior) -> float:
+def peak_width(correlator: Correlator, prior: ShapePrior) -> float:
     """Gaussian sigma of the autocorrelation of the circular median galaxy."""
     form = correlator.form(0j, prior.log_scale_length)
     sums = correlator.normal_sums(form, np.zeros((3, 3)))
@@ -83,14 +83,15 @@ def _peak_width(correlator: Correlator, prior: ShapePrior) -> float:
 
 def _highest_peak(correlator: Correlator, prior: ShapePrior) -> Float[Array, " 2"]:
     """Highest cross-correlation with the circular median galaxy on a hexagonal lattice over the prior."""
-    spacing = 0.7 * _peak_width(correlator, prior)
-    nodes = _hexagonal_lattice(search_radius(correlator, prior), spacing)
+    spacing = 0.7 * peak_width(correlator, prior)
+    nodes = hexagonal_lattice(search_radius(correlator, prior), spacing)
     displaced = correlator.displaced_to(nodes)
     heights, _ = correlator.correlate(np.array([0j]), np.array([prior.log_scale_length]), displaced)
     return nodes[np.argmax(heights[0])]
 
 
-def _hexagonal_lattice(radius: float, spacing: float) -> Float[Array, "sample 2"]:
+def hexagonal_lattice(radius: float, spacing: float) -> Float[Array, "sample 2"]:
+    """Points of a hexagonal lattice within a radius of the origin, which is one of them."""
     reach = math.ceil(radius / spacing) + 1
     i, j = np.mgrid[-reach : reach + 1, -reach : reach + 1]
     points = np.stack([i + 0.5 * j, math.sqrt(0.75) * j], axis=-1).reshape(-1, 2) * spacing
@@ -203,16 +204,24 @@ def _evaluate(
     gradient = amplitudes * (products - flux * response[0])
     information[3, 3] += 1 / prior.log_scale_length_sigma**2
     gradient[3] -= deviation / prior.log_scale_length_sigma
+    by_e = prior.ellipticity_sigma**-2
+    information[1, 1] += by_e
+    information[2, 2] += by_e
+    gradient[1] -= by_e * ellipticity.real
+    gradient[2] -= by_e * ellipticity.imag
+    by_x = (correlator.length / prior.position_sigma) ** 2
     curvature = sums[[16, 17, 17, 18]].reshape(2, 2)
+    penalty = deviation**2 + by_e * abs(ellipticity) ** 2
+    penalty += by_x * float(correlator.centre @ correlator.centre)
     return _State(
         ellipticity=ellipticity,
         log_scale_length=log_scale_length,
         flux=flux,
-        log_posterior=float(products[0] ** 2 / (2 * norm) - 0.5 * deviation**2),
+        log_posterior=float(products[0] ** 2 / (2 * norm) - 0.5 * penalty),
         gradient=gradient,
         information=information,
-        pull=flux * sums[14:16],
-        position_information=flux**2 * curvature,
+        pull=flux * sums[14:16] - by_x * correlator.centre,
+        position_information=flux**2 * curvature + by_x * np.eye(2),
     )
 
 

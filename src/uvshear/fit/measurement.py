@@ -1,7 +1,7 @@
 """What a fit returns: numbers with their covariance, and one flag."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Self
 
@@ -95,3 +95,27 @@ class ShapeMeasurement:
         """det(covariance)^(1/4), the "1D standard deviation" of Rivi & Miller 2018, sect. 2.1."""
         (xx, xy), (_, yy) = self.covariance  # numpy's det warns of the NaN of a failure
         return float(max(xx * yy - xy**2, 0.0) ** 0.25)
+
+
+def inflated(
+    shape: ShapeMeasurement, alone: Float[Array, "6 6"], free: Float[Array, "6 6"]
+) -> ShapeMeasurement:
+    """Widen the errors by what free neighbours add.
+
+    ``alone`` and ``free`` are Fisher covariances of (flux, e1, e2, ln alpha, l, m) with the neighbours fixed and free.
+    With alone = L L^T and C = K K^T the posterior's covariance of e, it becomes K L^-1 free L^-T K^T: the posterior
+    keeps its own shape.
+    """
+    if not np.all(np.isfinite(shape.covariance)):
+        return shape
+    e = slice(1, 3)
+    own = np.linalg.cholesky(shape.covariance + 1e-30 * np.eye(2))
+    matrix = own @ np.linalg.inv(np.linalg.cholesky(alone[e, e]))
+    ratio = np.sqrt(np.diag(free) / np.diag(alone))
+    return replace(
+        shape,
+        covariance=matrix @ free[e, e] @ matrix.T,
+        flux_err=shape.flux_err * float(ratio[0]),
+        scale_length_err=shape.scale_length_err * float(ratio[3]),
+        offset_err=shape.offset_err * ratio[4:6],
+    )

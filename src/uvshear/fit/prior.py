@@ -1,8 +1,13 @@
 """What is known of a galaxy before its fit."""
 
+import math
 from dataclasses import dataclass, field
 
+import numpy as np
+
+from uvshear.fit.measurement import GalaxyFit
 from uvshear.galaxy import EllipticityPrior, FlatEllipticityPrior
+from uvshear.typing import Array, Float
 
 
 @dataclass(frozen=True)
@@ -19,10 +24,44 @@ class ShapePrior:
         The position is uniform within this distance of the facet's centre [rad]; None stands for one
         width (Gaussian sigma) of the cross-correlation's peak.
     ellipticity
-        Density over the plane of e; flat over |e| < 0.95 unless given.
+        Density over the plane of e; flat over |e| < 0.95 unless given. Of the posterior, not of its maximum.
+    ellipticity_sigma, position_sigma
+        Standard deviations of one component of e, and of l or m about the facet's centre [rad]: of the maximum, not
+        of the posterior. Infinite for a measurement; finite for a sky model, whose sources shall not fit the noise
+        that their neighbours are measured by.
     """
 
     log_scale_length: float
     log_scale_length_sigma: float
     position_radius: float | None = None
     ellipticity: EllipticityPrior = field(default_factory=FlatEllipticityPrior)
+    ellipticity_sigma: float = math.inf
+    position_sigma: float = math.inf
+
+    def penalty(self, fit: GalaxyFit) -> float:
+        """Minus twice the log density of a sky model's source, but for a constant."""
+        total = (abs(fit.ellipticity) / self.ellipticity_sigma) ** 2
+        total += float(np.sum((fit.offset / self.position_sigma) ** 2))
+        if fit.scale_length > 0:
+            total += self._size_deviation(fit) ** 2
+        return total
+
+    def pull(self, fit: GalaxyFit) -> tuple[Float[Array, " 6"], Float[Array, " 6"]]:
+        """Gradient of the log density by flux, e1, e2, ln alpha, l, m, and its precision.
+
+        A point source has no shape: the three rows stand for themselves.
+        """
+        by_e, by_x = self.ellipticity_sigma**-2, self.position_sigma**-2
+        if fit.scale_length > 0:
+            by_size = self.log_scale_length_sigma**-2
+            away = self._size_deviation(fit) * self.log_scale_length_sigma
+            shape = (fit.ellipticity.real, fit.ellipticity.imag, away)
+            precision = np.array([0.0, by_e, by_e, by_size, by_x, by_x])
+        else:
+            shape = (0.0, 0.0, 0.0)
+            precision = np.array([0.0, 1.0, 1.0, 1.0, by_x, by_x])
+        return -precision * np.array([0.0, *shape, *fit.offset]), precision
+
+    def _size_deviation(self, fit: GalaxyFit) -> float:
+        away = math.log(fit.scale_length) - self.log_scale_length
+        return away / self.log_scale_length_sigma

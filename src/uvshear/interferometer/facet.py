@@ -25,3 +25,19 @@ class Facet:
     uv: Float[Array, "cell 2"]
     correlation: Complex[Array, " cell"]
     power: Float[Array, " cell"]
+
+
+@dataclass(frozen=True)
+class BeamPlane:
+    """Cells of half of the uv plane with the power of a beam, fine enough for sources some way apart.
+
+    Parameters
+    ----------
+    uv
+        Cell centres [wavelengths].
+    power
+        Weighted sum of the squared response to a unit point source [Jy^-2].
+    """
+
+    uv: Float[Array, "cell 2"]
+    power: Float[Array, " cell"]

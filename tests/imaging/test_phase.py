@@ -4,7 +4,7 @@ import pytest
 from tests.reference import direct_sum
 from tests.skies import L_BAND, random_baselines, vla
 from uvshear.constants import SPEED_OF_LIGHT
-from uvshear.extraction.phase import baselines_seen_from, shift_phase_centre
+from uvshear.imaging.phase import baselines_seen_from, shift_phase_centre
 
 FREQUENCY = np.array([1.2e9, 1.5e9])
 L, M = 0.009, -0.006

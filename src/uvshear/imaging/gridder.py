@@ -1,21 +1,10 @@
 """Visibilities to dirty image: the only caller of the gridder, and the only place that knows its signs."""
 
-from dataclasses import dataclass
-
 import ducc0
 import numpy as np
 
+from uvshear.imaging.grid import ImageGrid
 from uvshear.typing import Array, Bool, Complex, Float
-
-
-@dataclass(frozen=True)
-class ImageGrid:
-    """Square image, ``image[i, j]`` at l = l0 + (i - size/2) pixel, m = m0 + (j - size/2) pixel [rad]."""
-
-    size: int
-    pixel: float
-    l0: float = 0.0
-    m0: float = 0.0
 
 
 def dirty_image(

@@ -4,7 +4,7 @@ import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.geometry.directions import n_minus_one
-from uvshear.predict.kernels import rotate_phase
+from uvshear.imaging.kernels import rotate_phase
 from uvshear.typing import Array, Complex, Float
 
 

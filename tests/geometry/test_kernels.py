@@ -4,7 +4,7 @@ import numba
 import numpy as np
 import pytest
 
-from uvshear.predict.kernels import sine_cosine_of_turns
+from uvshear.geometry.kernels import sine_cosine_of_turns
 
 
 @numba.njit

@@ -1,0 +1,115 @@
+"""Facets cut out of images: a square of pixels, Fourier transformed, folded to half of the uv plane."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from scipy import fft
+
+from uvshear.typing import Array, Complex, Float, Int
+
+
+@dataclass(frozen=True)
+class Cutout:
+    """A square of ``size`` pixels and the cells of its uv plane that are kept.
+
+    Parameters
+    ----------
+    size
+        Pixels to a side, a multiple of four.
+    pixel
+        [rad].
+    shortest, longest
+        Of the cells kept [wavelengths].
+    """
+
+    size: int
+    pixel: float
+    shortest: float
+    longest: float
+
+    @cached_property
+    def cells(self) -> tuple[Int[Array, " cell"], Int[Array, " cell"]]:
+        """Their places in what ``rfft2`` returns."""
+        u = fft.fftfreq(self.size, self.pixel)[:, None]
+        v = fft.rfftfreq(self.size, self.pixel)[None, :]
+        distance = np.hypot(u, v)
+        # Of the pairs +-u at v = 0 one is enough.
+        kept = (distance >= self.shortest) & (distance <= self.longest) & ((v > 0) | (u >= 0))
+        i, j = np.nonzero(kept)
+        return i, j
+
+    @cached_property
+    def uv(self) -> Float[Array, "cell 2"]:
+        """Cell centres [wavelengths]."""
+        i, j = self.cells
+        u, v = fft.fftfreq(self.size, self.pixel), fft.rfftfreq(self.size, self.pixel)
+        return np.column_stack([u[i], v[j]])
+
+    @cached_property
+    def multiplicity(self) -> Float[Array, " cell"]:
+        """How often a cell counts: twice, for it stands for its opposite too, but once at the origin."""
+        return np.where(np.hypot(*self.uv.T) == 0, 1.0, 2.0)
+
+    @cached_property
+    def origin(self) -> int:
+        """Place of the cell at u = v = 0; only where ``shortest`` is 0."""
+        return int(np.argmin(np.hypot(*self.uv.T)))
+
+    @cached_property
+    def _scale(self) -> Float[Array, " cell"]:
+        # The origin is the square's centre: a sign that alternates from cell to cell.
+        i, j = self.cells
+        return (self.multiplicity * (-1.0) ** (i + j) / self.size**2).astype(np.float32)
+
+    def transform(self, square: Float[Array, "l m"]) -> Complex[Array, " cell"]:
+        """Facet of a square of dirty image: conjugated, for there a source at x is exp(+2 pi i k.x)."""
+        paired = square.copy()
+        paired[0, :] = paired[:, 0] = 0
+        spectrum = fft.rfft2(paired, overwrite_x=True)
+        return spectrum[self.cells].conj() * self._scale
+
+    @cached_property
+    def coarse_cells(self) -> tuple[Int[Array, " low"], Array, Array]:
+        """Cells that pixels twice as wide resolve, and their places in the transform of a square of these."""
+        half = self.size // 2
+        i, j = self.cells
+        signed = np.where(i > self.size // 2, i - self.size, i)
+        low = np.flatnonzero((np.abs(signed) < half // 2) & (j < half // 2))
+        return low, signed[low] % half, j[low]
+
+    def add_coarse(
+        self, square: Float[Array, "l m"], factor: float, facet: Complex[Array, " cell"]
+    ) -> None:
+        """Add ``factor`` times the transform of the same square in pixels twice as wide to the cells it resolves."""
+        low, i, j = self.coarse_cells
+        paired = square.copy()
+        paired[0, :] = paired[:, 0] = 0
+        spectrum = fft.rfft2(paired, overwrite_x=True)[i, j].conj()
+        sign = (-1.0) ** (i + j)
+        facet[low] += (factor * 4 / self.size**2) * (self.multiplicity[low] * sign) * spectrum
+
+    def recentring(self, offset: tuple[float, float]) -> Complex[Array, " cell"]:
+        """Phases that move a facet's centre by ``offset`` [rad]."""
+        i, j = self.cells
+        u, v = fft.fftfreq(self.size, self.pixel), fft.rfftfreq(self.size, self.pixel)
+        along_u, along_v = (
+            np.exp(-2j * math.pi * x * k).astype(np.complex64)
+            for x, k in zip(offset, (u, v), strict=True)
+        )
+        return along_u[i] * along_v[j]
+
+
+@lru_cache(maxsize=1024)
+def cutout(size: int, pixel: float, shortest: float, longest: float) -> Cutout:
+    """Return the same cutout for the same numbers: sources share their cells."""
+    return Cutout(size, pixel, shortest, longest)
+
+
+def cutout_size(width: float, pixel: float) -> int:
+    """Pixels to a side for a width [rad]: a multiple of four that is quick to transform at both pixels."""
+    size = max(4 * math.ceil(width / pixel / 4), 32)
+    while fft.next_fast_len(size // 4, real=True) != size // 4:
+        size += 4
+    return size

@@ -1,0 +1,249 @@
+"""One visit of the visibilities: all models subtracted, the facets of all sources gathered from what is left.
+
+In each band of baselines the models are drawn on tiles and predicted from there; the residual is imaged on the
+same tiles. From the coarsest band on, images are refined and added to those of the next finer one; facets are cut
+out of the finest. Nothing of this outlives the block of samples that it was made from: facets add up.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from uvshear.concurrency import in_order
+from uvshear.extraction.plan import VisitPlan
+from uvshear.galaxy import Galaxies, Profile
+from uvshear.imaging.bands import Band
+from uvshear.imaging.interpolation import refined
+from uvshear.imaging.tangent import TangentPlane
+from uvshear.imaging.tiles import Tile
+from uvshear.interferometer.samples import Samples
+from uvshear.interferometer.visibilities import Observation
+from uvshear.predict.rendering import render, stamp_size
+from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.typing import Array, Complex, Float
+
+SLAB = 2**21
+"""Samples that one call of the gridder takes; a matter of the data alone, so that sums do not depend on threads."""
+
+BYTES_PER_SAMPLE = 160
+"""What a sample takes while it is worked on: itself, its model, its baseline seen from two tiles."""
+
+Step = Callable[[float], None]
+"""Hears how much work (samples times pixels of tiles, in any unit) is done."""
+
+
+@dataclass(frozen=True)
+class Gridding:
+    """How the gridder is to work.
+
+    Parameters
+    ----------
+    epsilon
+        Its relative error.
+    block
+        Samples held in memory at a time.
+    threads
+        Tiles worked on side by side.
+    """
+
+    epsilon: float = 1e-4
+    block: int = 2**24
+    threads: int = 1
+
+
+@dataclass(frozen=True)
+class ModelledSky:
+    """What is subtracted: galaxies, how far each matters [rad], their common spectrum and their profile."""
+
+    galaxies: Galaxies
+    half_width: Float[Array, " source"]
+    spectrum: SpectralExpansion
+    profile: Profile
+
+
+def gather_residuals(
+    observation: Observation,
+    plan: VisitPlan,
+    sky: ModelledSky,
+    gridding: Gridding,
+    step: Step | None = None,
+) -> list[Complex[Array, " cell"]]:
+    """Facet of each source, with all models subtracted; centred where the plan says."""
+    facets = [np.zeros(len(one.multiplicity), np.complex64) for one in plan.cutouts]
+    shortest, longest = plan.bands[-1].shortest, plan.bands[0].longest
+    for samples in blocks(observation, shortest, longest, gridding.block):
+        _add_block(samples, plan, sky, gridding, facets, step)
+    return [
+        facet * one.recentring(tuple(offset))
+        for facet, one, offset in zip(facets, plan.cutouts, plan.offset, strict=True)
+    ]
+
+
+def blocks(
+    observation: Observation, shortest: float, longest: float, size: int
+) -> Iterator[Samples]:
+    """Give the samples of a range of uv distance [wavelengths], ``size`` at a time however they are read."""
+    parts: list[Samples] = []
+    held = 0
+    for chunk in observation.chunks():
+        part = Samples.of(chunk, shortest, longest)
+        while held + len(part) >= size:
+            first = size - held
+            yield Samples.join([*parts, part.select(slice(first))])
+            part, parts, held = part.select(slice(first, None)), [], 0
+        if len(part):
+            parts.append(part)
+            held += len(part)
+    if parts:
+        yield Samples.join(parts)
+
+
+def _add_block(
+    samples: Samples,
+    plan: VisitPlan,
+    sky: ModelledSky,
+    gridding: Gridding,
+    facets: Sequence[Complex[Array, " cell"]],
+    step: Step | None,
+) -> None:
+    number = plan.band_of(samples.uv_distance)
+    coarser: list[Float[Array, "l m"]] = []
+    for b in range(len(plan.bands) - 1, -1, -1):
+        band, tiles = plan.bands[b], plan.tiles[b]
+        part = samples.select(np.flatnonzero(number == b))
+        weighted = _weighted_residual(part, tiles, band, sky, gridding)
+        images = []
+        for tile, image in zip(tiles, _images(part, weighted, tiles, band, gridding), strict=True):
+            if tile.parent >= 0:
+                above = plan.tiles[b + 1][tile.parent]
+                (i, j), (k, l) = tile.origin, above.origin
+                shift = i - 2 * k, j - 2 * l
+                np.add(image, refined(coarser[tile.parent], shift, tile.size), out=image)
+            if b == 0:
+                _cut(image, tile, plan, facets, gridding.threads)
+            else:
+                images.append(image)
+            if step is not None:
+                step(work_of(len(part), tile))
+        coarser = images
+
+
+def work_of(samples: int, tile: Tile) -> float:
+    """Cost of a tile, in nanoseconds or so."""
+    return 700 * samples + 150 * tile.size**2
+
+
+def _weighted_residual(
+    samples: Samples,
+    tiles: Sequence[Tile],
+    band: Band,
+    sky: ModelledSky,
+    gridding: Gridding,
+) -> Complex[Array, " sample"]:
+    """Weight times what is left of each sample, with the common spectrum as matched filter."""
+    model = predict_samples(samples, tiles, band, sky, gridding)
+    gain = sky.spectrum.gain(samples.frequency)
+    return (samples.stokes_i - model) * (samples.weights * gain)
+
+
+def predict_samples(
+    samples: Samples,
+    tiles: Sequence[Tile],
+    band: Band,
+    sky: ModelledSky,
+    gridding: Gridding,
+) -> Complex[Array, " sample"]:
+    """Visibilities of the sky on samples of a band [Jy], by way of images on its tiles."""
+    model = np.zeros(len(samples), np.complex64)
+    logarithm = sky.spectrum.logarithm(samples.frequency)
+    for term, flux in enumerate(sky.spectrum.fluxes):
+
+        def draw(tile: Tile, flux: Float[Array, " source"] = flux) -> Float[Array, "l m"]:
+            chosen = tile.members
+            return render(
+                sky.galaxies.select(chosen),
+                flux[chosen],
+                sky.half_width[chosen],
+                tile,
+                band,
+                sky.profile,
+            )
+
+        def predict(
+            task: tuple[Tile, Float[Array, "l m"], slice],
+        ) -> tuple[slice, Complex[Array, " slab"]]:
+            tile, image, rows = task
+            plane = TangentPlane.at(samples.uvw[rows], *tile.centre(band.pixel))
+            return rows, plane.visibilities(image, band.pixel, gridding.epsilon)
+
+        padded = [_padded(tile, sky, band) for tile in tiles]
+        drawn = zip(padded, in_order(draw, padded, gridding.threads), strict=True)
+        tasks = ((tile, image, rows) for tile, image in drawn for rows in slabs(len(samples)))
+        for rows, vis in in_order(predict, tasks, gridding.threads):
+            model[rows] += vis * logarithm[rows] ** term if term else vis
+    return model * sky.spectrum.gain(samples.frequency)
+
+
+def _padded(tile: Tile, sky: ModelledSky, band: Band) -> Tile:
+    """Widen a tile so that the stamps of its members, at where these are now, are inside."""
+    half = [stamp_size(float(x), band.pixel) // 2 + 1 for x in sky.half_width[tile.members]]
+    low, high = [], []
+    for x in (sky.galaxies.l, sky.galaxies.m):
+        place = np.rint(x[tile.members] / band.pixel).astype(int)
+        low.append(int((place - half).min()))
+        high.append(int((place + half).max()))
+    size = max(high[0] - low[0], high[1] - low[1])
+    size += size % 2
+    return Tile(tile.band, (low[0], low[1]), size, tile.members, tile.parent)
+
+
+def _images(
+    samples: Samples,
+    weighted: Complex[Array, " sample"],
+    tiles: Sequence[Tile],
+    band: Band,
+    gridding: Gridding,
+) -> Iterator[Float[Array, "l m"]]:
+    """Image of each tile in turn."""
+
+    def image(task: tuple[Tile, slice]) -> Float[Array, "l m"]:
+        tile, rows = task
+        plane = TangentPlane.at(samples.uvw[rows], *tile.centre(band.pixel))
+        return plane.image(weighted[rows], tile.size, band.pixel, gridding.epsilon)
+
+    parts_of_rows = slabs(len(samples))
+    parts = in_order(
+        image, ((tile, rows) for tile in tiles for rows in parts_of_rows), gridding.threads
+    )
+    for _ in tiles:
+        total = next(parts)
+        for _ in parts_of_rows[1:]:
+            total += next(parts)
+        yield total
+
+
+def slabs(samples: int) -> list[slice]:
+    """Divide samples into parts of at most ``SLAB``, as equal as can be."""
+    count = max(1, -(-samples // SLAB))
+    edges = [samples * k // count for k in range(count + 1)]
+    return [slice(*pair) for pair in pairwise(edges)]
+
+
+def _cut(
+    image: Float[Array, "l m"],
+    tile: Tile,
+    plan: VisitPlan,
+    facets: Sequence[Complex[Array, " cell"]],
+    threads: int,
+) -> None:
+    """Add the cutouts of a tile's members to their facets."""
+
+    def add(source: int) -> None:
+        one = plan.cutouts[source]
+        i, j = plan.place[source] - tile.origin - one.size // 2
+        facets[source][:] += one.transform(image[i : i + one.size, j : j + one.size])
+
+    for _ in in_order(add, tile.members.tolist(), threads):
+        pass

@@ -1,0 +1,70 @@
+"""Visibilities without rows and channels: one line a sample, in wavelengths."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from uvshear.constants import SPEED_OF_LIGHT
+from uvshear.interferometer.visibilities import Visibilities
+from uvshear.typing import Array, Bool, Complex, Float, Shaped
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Samples of the uv plane that carry weight.
+
+    Parameters
+    ----------
+    uvw
+        Baselines [wavelengths].
+    stokes_i
+        [Jy].
+    weights
+        1/sigma^2 [Jy^-2].
+    frequency
+        [Hz].
+    """
+
+    uvw: Float[Array, "sample 3"]
+    stokes_i: Complex[Array, " sample"]
+    weights: Float[Array, " sample"]
+    frequency: Float[Array, " sample"]
+
+    def __len__(self) -> int:
+        return len(self.uvw)
+
+    @classmethod
+    def of(cls, visibilities: Visibilities, shortest: float, longest: float) -> Self:
+        """Take the samples with weight whose uv distance [wavelengths] is in [shortest, longest)."""
+        distance = visibilities.uv_distance
+        kept = (visibilities.weights > 0) & (distance >= shortest) & (distance < longest)
+        row, chan = np.nonzero(kept)
+        frequency = visibilities.frequency[chan]
+        return cls(
+            uvw=visibilities.uvw[row] * (frequency / SPEED_OF_LIGHT)[:, None],
+            stokes_i=visibilities.stokes_i[row, chan].astype(np.complex64, copy=False),
+            weights=visibilities.weights[row, chan].astype(np.float32, copy=False),
+            frequency=frequency.astype(float, copy=False),
+        )
+
+    @classmethod
+    def join(cls, parts: list[Self]) -> Self:
+        """Put parts one after the other."""
+        return cls(
+            *(
+                np.concatenate([getattr(part, name) for part in parts])
+                for name in cls.__dataclass_fields__
+            )
+        )
+
+    def select(self, chosen: Bool[Array, " sample"] | Shaped[Array, " chosen"] | slice) -> Self:
+        """Return the samples chosen (any one-dimensional numpy index)."""
+        return type(self)(
+            self.uvw[chosen], self.stokes_i[chosen], self.weights[chosen], self.frequency[chosen]
+        )
+
+    @property
+    def uv_distance(self) -> Float[Array, " sample"]:
+        """[wavelengths]."""
+        return np.hypot(self.uvw[:, 0], self.uvw[:, 1])

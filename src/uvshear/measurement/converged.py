@@ -1,0 +1,310 @@
+"""All sources of a field together: visits of the visibilities, and in between everything that images can settle.
+
+1. Visit: subtract all models from the visibilities, gather what is left as one facet a source
+   (``extraction.residual``); the first time, the beams too (``extraction.beams``).
+2. Settle: fit the sources in turn until none moves any more (``measurement.settlement``).
+3. Again, until what settling leaves undone is a small part of the noise.
+4. Sample the posterior of every galaxy.
+
+What settling leaves undone: the beam is that of the nearest of a few directions, and the interaction of two sources
+ends at some distance and some baseline length. Such errors are a per cent or so of what changed since the visit, and
+the next visit measures them: its residual is exact.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from uvshear.concurrency import in_order
+from uvshear.extraction.beams import NANOSECONDS, SIZE, Beams, directions, gather_beams
+from uvshear.extraction.plan import SMALL, VisitPlan, Wanted, plan_visit
+from uvshear.extraction.residual import (
+    BYTES_PER_SAMPLE,
+    Gridding,
+    ModelledSky,
+    gather_residuals,
+    work_of,
+)
+from uvshear.fit.measurement import FitFlag, GalaxyFit, ShapeMeasurement, inflated
+from uvshear.fit.shape import measure_shape
+from uvshear.galaxy import Galaxies
+from uvshear.interferometer.visibilities import Observation
+from uvshear.measurement.extraction import Extracted, Extraction, Progress
+from uvshear.measurement.field import Field
+from uvshear.measurement.natural_snr import with_natural_snr
+from uvshear.measurement.settlement import Settlement
+from uvshear.measurement.sky import with_fitted
+from uvshear.measurement.source import GalaxySource, ModelledSource, PointSource
+from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.typing import Array, Float
+
+if TYPE_CHECKING:  # the options hold an extraction
+    from uvshear.measurement.options import MeasurementOptions
+
+POINT_STAMP = 128
+"""Finest pixels across a point source: its image rings until the taper has worn off."""
+
+ROUGH = 0.1
+"""Change that counts as none after the first visit: what is left undone is more than that."""
+
+ASTROMETRY = 0.5
+"""Standard deviation of the catalogue's positions over the median scale length, for the sky model and unless given:
+loose for a source that can be measured, tight enough to keep neighbours from changing places."""
+
+PEAKS = 2
+"""Visits after which every source looks for its peak anew."""
+
+
+@dataclass(frozen=True)
+class ConvergedExtraction(Extraction):
+    """Sources subtracted from one another until their sky no longer changes.
+
+    Parameters
+    ----------
+    tolerance
+        Change of a source, in units of the noise (the square root of <dm, dm>), that counts as none.
+    most_visits
+        Of the visibilities with a sky to subtract; one more gathers the beams.
+    scale_lengths
+        Width of a facet over the median scale length; wider for galaxies found to be larger.
+    epsilon
+        Relative error of the gridder.
+    """
+
+    tolerance: float = 0.05
+    most_visits: int = 4
+    scale_lengths: float = 45.0
+    epsilon: float = 1e-4
+
+    def measure(
+        self,
+        observation: Observation,
+        field: Field,
+        options: "MeasurementOptions",
+        progress: Progress | None,
+    ) -> Extracted:
+        """Measure every source of ``field.measured``, all others of ``field.modelled`` subtracted."""
+        if len(field.modelled) == 0:
+            return Extracted({}, field.sky, {"extraction": "converged", "visits": 0})
+        return _Run(self, observation, field, options, progress).measure()
+
+
+class _Run:
+    """One measurement: what the steps share."""
+
+    def __init__(
+        self,
+        method: ConvergedExtraction,
+        observation: Observation,
+        field: Field,
+        options: "MeasurementOptions",
+        progress: Progress | None,
+    ) -> None:
+        self._method, self._observation, self._field = method, observation, field
+        self._options = options
+        self._members = field.modelled
+        sky = field.sky.select(self._members)
+        extent = field.extent
+        self._spectrum = SpectralExpansion.of(sky, extent.lowest_frequency, extent.frequency)
+        self._common = self._spectrum.fluxes[0] / np.where(sky.flux > 0, sky.flux, 1.0)
+        self._is_galaxy = field.flags[self._members] == FitFlag.OK
+        self._expected = [
+            GalaxyFit(float(flux), np.zeros(2), 0j, float(size), 0.0)
+            for flux, size in zip(self._spectrum.fluxes[0], sky.scale_length, strict=True)
+        ]
+        self._sources: list[ModelledSource] = []
+        self._uv_max = self._informative(sky)
+        self._longest = float(self._uv_max.max()) * (1 + 1e-9)
+        block = int(options.memory / 3 / BYTES_PER_SAMPLE)
+        self._gridding = Gridding(method.epsilon, max(block, 2**16), options.threads)
+        self._meter = _Meter(progress)
+
+    def measure(self) -> Extracted:
+        field, method, options = self._field, self._method, self._options
+        fits: Sequence[GalaxyFit] = self._expected
+        beams: Beams | None = None
+        history: list[tuple[float, float]] = []
+        steps: list[list[float]] = []
+        while True:
+            plan = self._plan(fits)
+            self._foresee(plan, is_first=beams is None)
+            if beams is None:
+                beams = self._gather_beams(plan)
+                self._sources = self._describe()
+            residuals = gather_residuals(
+                self._observation, plan, self._sky(fits), self._gridding, self._meter.add
+            )
+            settlement = Settlement(self._sources, fits, plan, beams, residuals)
+            if len(steps) < PEAKS:
+                settlement.look_for_peaks(options.threads, lambda: self._meter.add(_FIT))
+            rough = max(method.tolerance, ROUGH)
+            tolerance = method.tolerance if history else rough
+            steps.append(settlement.settle(tolerance, options.threads))
+            changes = settlement.changes()
+            history.append((float(np.sqrt(np.mean(changes**2))), float(changes.max())))
+            fits = settlement.fits
+            if _left_undone(history) < method.tolerance or len(history) >= method.most_visits:
+                break
+        measurements = self._measure_shapes(settlement)
+        found = {
+            int(source): self._in_catalogue_flux(k, fit)
+            for k, (source, fit) in enumerate(zip(self._members, fits, strict=True))
+        }
+        sky = with_fitted(field.sky, field, found)
+        record = {
+            "extraction": "converged",
+            "visits": len(history),
+            "steps": [[round(change, 3) for change in visit] for visit in steps],
+            "change_rms": [round(rms, 4) for rms, _ in history],
+            "change_max": [round(largest, 4) for _, largest in history],
+            "left_undone": round(_left_undone(history), 4),
+        }
+        return Extracted(
+            with_natural_snr(measurements, self._observation, sky, options), sky, record
+        )
+
+    def _describe(self) -> list[ModelledSource]:
+        field, options = self._field, self._options
+        median = np.exp(field.size.log_median[self._members])
+        population = math.sqrt(options.population.population_variance)
+        sources: list[ModelledSource] = []
+        for k, member in enumerate(self._members.tolist()):
+            given = options.position_radius
+            sigma = ASTROMETRY * median[k] if given is None else given / 2
+            prior = replace(
+                field.prior(member, options.position_radius, options.ellipticity),
+                ellipticity_sigma=population,
+                position_sigma=sigma,
+            )
+            kind = GalaxySource if self._is_galaxy[k] else PointSource
+            sources.append(kind(prior, options.profile, self._expected[k]))
+        return sources
+
+    def _informative(self, sky: Galaxies) -> Float[Array, " source"]:
+        """Longest baseline that tells anything of each source [wavelengths]."""
+        field = self._field
+        size = field.size
+        small = np.exp(size.log_median - 2 * size.sigma)[self._members]
+        uv_max = np.where(self._is_galaxy, SMALL / small, 0.0)
+        longest = float(uv_max.max()) if self._is_galaxy.any() else math.inf
+        return np.minimum(np.where(self._is_galaxy, uv_max, longest), field.uv_range.maximum)
+
+    def _plan(self, fits: Sequence[GalaxyFit]) -> VisitPlan:
+        field, members = self._field, self._members
+        median = np.exp(field.size.log_median[members])
+        least = self._method.scale_lengths * median
+        narrowest = float(least[self._is_galaxy].min()) if self._is_galaxy.any() else math.inf
+        width = np.maximum(least, [2 * fit.half_width for fit in fits])
+        width = np.where(self._is_galaxy, width, narrowest)
+        pixel = 1 / (2.4 * self._longest)
+        wanted = Wanted(
+            field.l[members], field.m[members], np.minimum(width, 0.8 * SIZE * pixel), self._uv_max
+        )
+        return plan_visit(wanted, field.uv_range.minimum, self._longest)
+
+    def _sky(self, fits: Sequence[GalaxyFit]) -> ModelledSky:
+        field = self._field
+        found = {
+            int(source): self._in_catalogue_flux(k, fit)
+            for k, (source, fit) in enumerate(zip(self._members, fits, strict=True))
+        }
+        sky = with_fitted(field.sky, field, found).select(self._members)
+        extent = field.extent
+        spectrum = SpectralExpansion.of(sky, extent.lowest_frequency, extent.frequency)
+        pixel = 1 / (2.4 * self._longest)
+        half = np.array([fit.half_width for fit in fits])
+        median = np.exp(field.size.log_median[self._members])
+        half = np.maximum(half, self._method.scale_lengths / 2 * median)
+        half = np.where(self._is_galaxy, half, POINT_STAMP / 2 * pixel)
+        return ModelledSky(sky, half, spectrum, self._options.profile)
+
+    def _in_catalogue_flux(self, k: int, fit: GalaxyFit) -> GalaxyFit:
+        return replace(fit, flux=fit.flux / float(self._common[k]))
+
+    def _gather_beams(self, plan: VisitPlan) -> Beams:
+        field = self._field
+        lm = np.column_stack([field.l, field.m])[self._members]
+        uv_range = (field.uv_range.minimum, self._longest)
+        return gather_beams(
+            self._observation,
+            lm,
+            uv_range,
+            plan.pixel,
+            self._spectrum,
+            self._gridding,
+            self._meter.add,
+        )
+
+    def _measure_shapes(self, settlement: Settlement) -> Mapping[int, ShapeMeasurement]:
+        profile = self._options.profile
+
+        def sample(k: int) -> ShapeMeasurement:
+            source, fit = self._sources[k], settlement.fits[k]
+            start = fit if fit.snr > 0 else None
+            prior = replace(source.prior, ellipticity_sigma=math.inf, position_sigma=math.inf)
+            return measure_shape(settlement.facet(k), prior, profile, start)
+
+        chosen = np.flatnonzero(self._is_galaxy)
+        covariances = settlement.covariances(chosen)
+        galaxies = chosen.tolist()
+        measurements = {}
+        shapes = in_order(sample, galaxies, self._options.threads)
+        for k, alone, pair in zip(galaxies, shapes, covariances, strict=True):
+            self._meter.add(_POSTERIOR)
+            shape = alone if pair is None else inflated(alone, *pair)
+            ratio = float(self._common[k])
+            best = None if shape.best is None else self._in_catalogue_flux(k, shape.best)
+            measurements[int(self._members[k])] = replace(
+                shape, flux=shape.flux / ratio, flux_err=shape.flux_err / ratio, best=best
+            )
+        return measurements
+
+    def _foresee(self, plan: VisitPlan, *, is_first: bool) -> None:
+        """Tell the meter what is to come: a second visit is taken for granted, more are not."""
+        samples = self._field.extent.samples
+        tiles = [tile for band in plan.tiles for tile in band]
+        visit = sum(work_of(samples // len(plan.bands), tile) for tile in tiles)
+        visit += len(self._members) * _FIT
+        if is_first:
+            lm = np.column_stack([self._field.l, self._field.m])[self._members]
+            nodes, _ = directions(lm)
+            self._meter.expect(NANOSECONDS * samples * len(nodes) + 2 * visit)
+            self._meter.expect(int(self._is_galaxy.sum()) * _POSTERIOR)
+            self._visits_expected = 2
+        elif self._visits_expected > 1:
+            self._visits_expected -= 1
+        else:
+            self._meter.expect(visit)
+
+
+_FIT = 4e6
+_POSTERIOR = 12e6
+"""Cost of a fit and of a posterior [nanoseconds]."""
+
+
+def _left_undone(history: list[tuple[float, float]]) -> float:
+    """Largest change that another visit would bring: changes shrink from visit to visit by about the same factor."""
+    largest = [maximum for _, maximum in history]
+    if len(largest) == 1:
+        return largest[0]
+    shrinkage = largest[-1] / largest[-2] if largest[-2] > 0 else 0.0
+    return largest[-1] * min(shrinkage, 1.0)
+
+
+class _Meter:
+    """Work done and work foreseen, in nanoseconds or so."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self._progress = progress
+        self._done = self._total = 0.0
+
+    def expect(self, work: float) -> None:
+        self._total += work
+
+    def add(self, work: float) -> None:
+        self._done += work
+        if self._progress is not None:
+            self._progress(round(self._done / 1e6), round(max(self._total, self._done) / 1e6))

@@ -1,0 +1,240 @@
+"""Between two visits of the visibilities: sources are fitted until none moves any more.
+
+First in decreasing flux among neighbours (``extraction.schedule``), side by side where far apart, each source against
+what the last visit left, less what its neighbours have changed since (``extraction.interaction``). All at once, each
+by itself, would diverge; in turn it is the Gauss-Seidel iteration, which never lowers the common likelihood. It looks
+for the right peaks. From there all sources take Gauss-Newton steps together (``measurement.joint``), which converge
+where going in turn would creep.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from uvshear.concurrency import in_order
+from uvshear.constants import ARCSEC
+from uvshear.extraction.beams import Beams
+from uvshear.extraction.interaction import Interaction, Source
+from uvshear.extraction.plan import VisitPlan
+from uvshear.extraction.schedule import fitting_levels
+from uvshear.fit.blend import Member, fit_group
+from uvshear.fit.coupling import NormalEquations, normal_equations
+from uvshear.fit.measurement import GalaxyFit
+from uvshear.interferometer.facet import Facet
+from uvshear.measurement.groups import overlapping_groups
+from uvshear.measurement.joint import (
+    BlockOf,
+    Couplings,
+    couple,
+    joint_covariance,
+    joint_step,
+)
+from uvshear.measurement.source import ModelledSource
+from uvshear.typing import Array, Complex, Float, Int
+
+SEPARATION = 60 * ARCSEC
+"""Sources closer than this are fitted one after the other, the brighter first."""
+
+NEAR = 15 * ARCSEC
+"""Neighbours within this distance, free, count in the errors of a source."""
+
+MOST_NEIGHBOURS = 8
+"""So many of them at most, the nearest first."""
+
+
+MOST_STEPS = 8
+
+RECOUPLED = (0, 2)
+"""Steps before which couplings are worked out anew; in between they are scaled with the fluxes."""
+
+Tick = Callable[[], None]
+
+
+class Settlement:
+    """The sources of a field after a visit of the visibilities, settling."""
+
+    def __init__(
+        self,
+        sources: Sequence[ModelledSource],
+        fits: Sequence[GalaxyFit],
+        plan: VisitPlan,
+        beams: Beams,
+        residuals: Sequence[Complex[Array, " cell"]],
+    ) -> None:
+        self._sources, self._plan, self._beams = sources, plan, beams
+        self._residuals = residuals
+        self._reference = list(fits)
+        self.fits = list(fits)
+        self._interaction = Interaction(plan, beams, sources[0].profile)
+        self._place = plan.place * plan.pixel + plan.offset
+        self._flux = np.array([source.expected.flux for source in sources])
+        self._tree = cKDTree(self._place)
+        size = np.array([source.expected.scale_length for source in sources])
+        self._groups = overlapping_groups(self._place, size)
+        self._is_grouped = np.zeros(len(sources), bool)
+        self._is_grouped[[source for group in self._groups for source in group]] = True
+        self._equations: dict[int, NormalEquations] = {}
+        self._couplings: Couplings | None = None
+
+    def look_for_peaks(self, threads: int, tick: Tick) -> None:
+        """Fit every source once, in turn, from scratch and from where it was."""
+        for level in fitting_levels(self._place, self._flux, SEPARATION):
+            members = level.tolist()
+
+            def fit(source: int) -> GalaxyFit:
+                last = self.fits[source]
+                starts = (None, last) if last.snr > 0 else (None,)
+                return self._sources[source].refit(self.facet(source), starts)
+
+            after = []
+            for one in in_order(fit, members, threads):
+                after.append(one)
+                tick()
+            self._change(members, after, threads)
+
+    def settle(self, tolerance: float, threads: int) -> list[float]:
+        """Step together until no source changes by ``tolerance`` of the noise; return the largest of each step."""
+        largest: list[float] = []
+        everyone = list(range(len(self._sources)))
+        for step_number in range(MOST_STEPS):
+            self._fit_groups(threads)
+            self._linearise(everyone, threads)
+            if step_number in RECOUPLED or self._couplings is None:
+                self._couplings = self._couple(threads)
+            steps = joint_step(
+                [self._equations[k] for k in everyone],
+                self._couplings,
+                np.array([fit.flux for fit in self.fits]),
+                self._is_grouped,
+            )
+            after = [self._sources[k].after(self.fits[k], step) for k, step in enumerate(steps)]
+            largest.append(float(self._change(everyone, after, threads).max()))
+            if largest[-1] < tolerance:
+                break
+        return largest
+
+    def _fit_groups(self, threads: int) -> None:
+        """Fit sources that overlap together, groups in turn where they are near one another."""
+        if not self._groups:
+            return
+
+        def fit(group: list[int]) -> list[GalaxyFit]:
+            starts = [self.fits[source] for source in group]
+            if any(start.snr <= 0 for start in starts):
+                return starts
+            members = [self._member(source, group[0]) for source in group]
+            plane = self._interaction.plane(int(self._beams.nearest[group[0]]))
+            return fit_group(members, plane, starts)
+
+        centres = np.array([self._place[group].mean(axis=0) for group in self._groups])
+        flux = np.array([self._flux[group].max() for group in self._groups])
+        for level in fitting_levels(centres, flux, SEPARATION):
+            groups = [self._groups[k] for k in level.tolist()]
+            after = [one for fits in in_order(fit, groups, threads) for one in fits]
+            self._change([source for group in groups for source in group], after, threads)
+
+    def _member(self, source: int, first: int) -> Member:
+        one = self._sources[source]
+        place = tuple(self._place[source] - self._place[first])
+        return Member(self._facet(source, with_own=False), one.prior, one.profile, place)
+
+    def _linearise(self, members: Sequence[int], threads: int) -> None:
+        def equations(source: int) -> NormalEquations:
+            one = self._sources[source]
+            facet = self._facet(source, with_own=False)
+            return normal_equations(facet, one.prior, one.profile, self.fits[source])
+
+        found = in_order(equations, members, threads)
+        self._equations.update(zip(members, found, strict=True))
+
+    def _couple(self, threads: int) -> Couplings:
+        profile = self._sources[0].profile
+        return couple(self._place, self.fits, self._beams, self._interaction, profile, threads)
+
+    def facet(self, source: int) -> Facet:
+        """Facet of a source, everything else subtracted as it is now."""
+        return self._facet(source, with_own=True)
+
+    def changes(self) -> Float[Array, " source"]:
+        """Change of each source since the visit, in units of the noise."""
+        return np.array(
+            [
+                self._distance(source, self._reference[source], self.fits[source])
+                for source in range(len(self._sources))
+            ]
+        )
+
+    def covariances(
+        self, chosen: Int[Array, " chosen"]
+    ) -> list[tuple[Float[Array, "6 6"], Float[Array, "6 6"]] | None]:
+        """Covariance of sources' parameters, neighbours held and free; None for one that has none near."""
+        if self._couplings is None:
+            return [None] * len(chosen)
+        block_of = BlockOf(self._couplings)
+        return [self._covariance(source, block_of) for source in chosen.tolist()]
+
+    def _covariance(
+        self, source: int, block_of: BlockOf
+    ) -> tuple[Float[Array, "6 6"], Float[Array, "6 6"]] | None:
+        near = self._tree.query_ball_point(self._place[source], NEAR)
+        others = [other for other in near if other != source and self.fits[other].snr > 0]
+        if not others or self.fits[source].snr <= 0:
+            return None
+        apart = np.hypot(*(self._place[others] - self._place[source]).T)
+        nearest = [others[k] for k in np.argsort(apart, kind="stable")[:MOST_NEIGHBOURS]]
+        return joint_covariance(source, nearest, self._equations, block_of)
+
+    def _change(
+        self, members: list[int], after: list[GalaxyFit], threads: int
+    ) -> Float[Array, " member"]:
+        """Let sources change; return by how much of the noise."""
+
+        def render(task: tuple[int, GalaxyFit, GalaxyFit]) -> tuple[float, Float[Array, "l m"]]:
+            source, old, new = task
+            seen = self._seen(source, old), self._seen(source, new)
+            return self._distance(source, old, new), self._interaction.rendered(source, *seen)
+
+        tasks = [(k, self.fits[k], new) for k, new in zip(members, after, strict=True)]
+        moved_by = np.zeros(len(members))
+        for place, (distance, rendered) in enumerate(in_order(render, tasks, threads)):
+            source, _, new = tasks[place]
+            self._interaction.add(source, rendered)
+            self.fits[source] = new
+            moved_by[place] = distance
+        pairs = zip(self.fits, self._reference, strict=True)
+        self._interaction.change_flux(np.array([now.flux - then.flux for now, then in pairs]))
+        return moved_by
+
+    def _facet(self, source: int, *, with_own: bool) -> Facet:
+        """Facet with everything subtracted but, if asked for, the source's own model."""
+        cutout = self._plan.cutouts[source]
+        power = self._beams.power(source, cutout)
+        correlation = np.zeros(len(power), np.complex64)
+        self._interaction.subtract_from(correlation, source)
+        correlation *= cutout.recentring(tuple(self._plan.offset[source]))
+        correlation += self._residuals[source]
+        one = self._sources[source]
+        now, then = self.fits[source], self._reference[source]
+        own = one.model(then, cutout.uv)
+        if now is not then:
+            present = one.model(now, cutout.uv)
+            own = own + self._interaction.own_share(cutout) * (present - own)
+        else:
+            present = own
+        if not with_own:
+            own = own - present
+        return Facet(cutout.uv, correlation + power * own, power)
+
+    def _seen(self, source: int, fit: GalaxyFit) -> Source:
+        offset = self._plan.offset[source] + fit.offset
+        return Source(fit.flux, tuple(offset), fit.ellipticity, fit.scale_length)
+
+    def _distance(self, source: int, old: GalaxyFit, new: GalaxyFit) -> float:
+        if old is new:
+            return 0.0
+        cutout = self._plan.cutouts[source]
+        power = self._beams.power(source, cutout)
+        one = self._sources[source]
+        change = one.model(new, cutout.uv) - one.model(old, cutout.uv)
+        return float(np.sqrt(max(float(np.sum(power * np.abs(change) ** 2)), 0.0)))

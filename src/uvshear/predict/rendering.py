@@ -1,0 +1,102 @@
+"""Galaxies as pixels: images whose Fourier transform is theirs on the baselines of a band."""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from scipy import fft
+
+from uvshear.galaxy import Galaxies, Profile
+from uvshear.geometry.ellipticity import quadratic_form
+from uvshear.imaging.bands import Band
+from uvshear.imaging.tiles import Tile
+from uvshear.predict import kernels
+from uvshear.typing import Array, Complex, Float
+
+SMALLEST_STAMP = 40
+"""Pixels: where a galaxy is smaller than the pixels of a coarse band, the taper sets its extent."""
+
+_KAISER = 9.0
+
+
+def render(
+    galaxies: Galaxies,
+    flux: Float[Array, " source"],
+    half_width: Float[Array, " source"],
+    tile: Tile,
+    band: Band,
+    profile: Profile,
+) -> Float[Array, "l m"]:
+    r"""Image of galaxies on a tile.
+
+    .. math:: \sum_x I(x)\, e^{2\pi i\, k \cdot x} = \sum_s S_s \tilde I_s(k)\, e^{2\pi i\, k \cdot x_s}
+
+    for every k within the band; beyond its longest baseline the transform falls smoothly to zero at the Nyquist
+    frequency, so that each galaxy fits a stamp.
+
+    Parameters
+    ----------
+    galaxies
+        All of them within the tile, and ``half_width`` [rad] from its edge.
+    flux
+        In place of theirs [Jy].
+    """
+    image = np.zeros((tile.size, tile.size), np.float32)
+    pixel = band.pixel
+    forms = np.stack(quadratic_form(galaxies.ellipticity, galaxies.scale_length), axis=-1)
+    for source in range(len(galaxies)):
+        size = stamp_size(float(half_width[source]), pixel)
+        place = galaxies.l[source] / pixel, galaxies.m[source] / pixel
+        nearest = round(place[0]), round(place[1])
+        offset = (place[0] - nearest[0]) * pixel, (place[1] - nearest[1]) * pixel
+        spectrum = transform_on_stamp(forms[source], offset, size, band, profile)
+        stamp = fft.fftshift(fft.irfft2(spectrum, s=(size, size), overwrite_x=True))
+        i, j = (nearest[axis] - tile.origin[axis] - size // 2 for axis in (0, 1))
+        image[i : i + size, j : j + size] += np.float32(flux[source]) * stamp
+    return image
+
+
+def stamp_size(half_width: float, pixel: float) -> int:
+    """Pixels of a stamp, even and quick to transform."""
+    size = max(2 * math.ceil(half_width / pixel), SMALLEST_STAMP)
+    while size % 2 or fft.next_fast_len(size, real=True) != size:
+        size += 1
+    return size
+
+
+def transform_on_stamp(
+    form: Float[Array, " 3"],
+    offset: tuple[float, float],
+    size: int,
+    band: Band,
+    profile: Profile,
+) -> Complex[Array, "u v"]:
+    """Transform of a galaxy of unit flux, displaced by ``offset`` [rad], as ``irfft2`` takes it."""
+    u, v, taper = _stamp_plane(size, band)
+    q, spectrum = np.empty(taper.shape, np.float32), np.empty(taper.shape, np.complex64)
+    kernels.plane_argument(u, v, (4 * math.pi**2 * form).astype(np.float32), q)
+    along_u, along_v = (
+        np.exp(-2j * math.pi * x * k).astype(np.complex64)
+        for x, k in zip(offset, (u, v), strict=True)
+    )
+    kernels.plane_spectrum(profile.envelope(q), taper, along_u, along_v, spectrum)
+    return spectrum
+
+
+@lru_cache(maxsize=64)
+def _stamp_plane(
+    size: int, band: Band
+) -> tuple[Float[Array, " u"], Float[Array, " v"], Float[Array, "u v"]]:
+    u = fft.fftfreq(size, band.pixel).astype(np.float32)
+    v = fft.rfftfreq(size, band.pixel).astype(np.float32)
+    distance = np.hypot(u[:, None], v[None, :])
+    return u, v, smooth_step(distance, band.longest, 0.5 / band.pixel)
+
+
+def smooth_step(x: Float[Array, "..."], start: float, stop: float) -> Float[Array, "..."]:
+    """1 up to ``start``, 0 from ``stop`` on, in between the integral of a Kaiser window."""
+    t = np.linspace(-1, 1, 2001)
+    mass = np.cumsum(np.i0(_KAISER * np.sqrt(1 - t**2)))
+    fall = 1 - mass / mass[-1]
+    place = (x - start) / (stop - start) * 2 - 1
+    return np.interp(place, t, fall, left=1.0, right=0.0).astype(np.float32)
