@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 from astropy.table import Table
+from scipy.spatial import cKDTree
 
 from uvshear.constants import REFERENCE_FREQUENCY
 from uvshear.errors import InputError
@@ -37,6 +38,7 @@ from uvshear.shear.weight import lensfit_weight
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.observation import SimulatedObservation
+from uvshear.typing import Array, Bool, Float, Int
 
 Lens = Callable[[Galaxies, complex], Galaxies]
 """What a reduced shear does to galaxies."""
@@ -121,6 +123,29 @@ def extract(
     return field, options.extraction.measure(observation, field, options, progress)
 
 
+SAME_PLACE = 0.25
+"""Sources closer than this part of the smaller one's median scale length are one."""
+
+
+def _repeated(
+    l: Float[Array, " source"],
+    m: Float[Array, " source"],
+    flux: Float[Array, " source"],
+    scale_length: Float[Array, " source"],
+    is_modelled: Bool[Array, " source"],
+) -> Int[Array, " repeated"]:
+    """Find the fainter of sources at one place; of equals, those that come later."""
+    members = np.flatnonzero(is_modelled)
+    place, size = np.column_stack([l, m])[members], scale_length[members]
+    if len(members) == 0:
+        return members
+    pairs = cKDTree(place).query_pairs(SAME_PLACE * float(size.max()), output_type="ndarray")
+    apart = np.hypot(*(place[pairs[:, 0]] - place[pairs[:, 1]]).T)
+    pairs = pairs[apart < SAME_PLACE * np.minimum(size[pairs[:, 0]], size[pairs[:, 1]])]
+    first, second = members[pairs.min(axis=1)], members[pairs.max(axis=1)]
+    return np.unique(np.where(flux[first] >= flux[second], second, first))
+
+
 def tabulate(
     catalogue: Catalogue,
     field: Field,
@@ -182,6 +207,8 @@ def _prepare(
         flags[sources.scale_length == 0] = FitFlag.POINT_SOURCE
     flags[np.hypot(l, m) > np.sin(options.field_radius)] = FitFlag.OUTSIDE_FIELD
     flags[n <= 0] = FitFlag.BELOW_HORIZON
+    if sources.is_point is not None:
+        flags[sources.is_point & (flags == FitFlag.OK)] = FitFlag.POINT_SOURCE
     is_modelled = (flags == FitFlag.OK) | (flags == FitFlag.POINT_SOURCE)
     flux_at_1_4 = sources.flux * (REFERENCE_FREQUENCY / sources.reference_frequency) ** (
         sources.spectral_index
@@ -191,6 +218,9 @@ def _prepare(
         None if sources.scale_length is None else np.where(is_point, 1.0, sources.scale_length)
     )
     size = options.size.prior(flux_at_1_4, known_size)
+    repeated = _repeated(l, m, sources.flux, np.exp(size.log_median), is_modelled)
+    flags[repeated] = FitFlag.DUPLICATE
+    is_modelled[repeated] = False
     sky = Galaxies(
         l=np.where(is_modelled, l, 0.0),
         m=np.where(is_modelled, m, 0.0),

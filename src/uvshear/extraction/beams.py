@@ -60,9 +60,7 @@ class Beams:
         """Power of a facet's cells; sources of one size and one beam share it."""
         node = int(self.nearest[source])
         if (node, cutout) not in self._powers:
-            first = SIZE // 2 - cutout.size // 2
-            square = slice(first, first + cutout.size)
-            self._powers[node, cutout] = cutout.transform(self.images[node][square, square]).real
+            self._powers[node, cutout] = power_of(self.images[node], cutout)
         return self._powers[node, cutout]
 
     def plateau(self, apart: Float[Array, "pair 2"]) -> Float[Array, " pair"]:
@@ -70,18 +68,27 @@ class Beams:
         place = apart.T / self.wide_pixel + WIDE_SIZE // 2
         return map_coordinates(self.wide, place, order=1, mode="constant")
 
-    def coarse_spectrum(self, node: int, start: float, end: float) -> Float[Array, "u v"]:
-        """Transform of a beam on pixels twice as wide, as ``irfft2`` takes it.
-
-        The beam ends smoothly between the distances ``start`` and ``end`` [coarse pixels].
-        """
-        x = (np.arange(SIZE) - SIZE // 2) / 2
+    def ending(self, node: int, start: float, end: float) -> Float[Array, "l m"]:
+        """Return a beam that ends smoothly between the distances ``start`` and ``end`` [pixels]."""
+        x = np.arange(SIZE) - SIZE // 2
         window = smooth_step(np.hypot(x[:, None], x[None, :]), start, end)
-        spectrum = fft.rfft2(fft.ifftshift(self.images[node] * window)).real
-        half = SIZE // 2
-        rows = np.concatenate([spectrum[: half // 2], spectrum[-half // 2 :]])
-        # Four fine pixels to a coarse one.
-        return (rows[:, : half // 2 + 1] / 4).astype(np.float32)
+        return self.images[node] * window
+
+
+def coarse_spectrum(beam: Float[Array, "l m"]) -> Float[Array, "u v"]:
+    """Transform of a beam on pixels twice as wide, as ``irfft2`` takes it."""
+    spectrum = fft.rfft2(fft.ifftshift(beam)).real
+    half = SIZE // 2
+    rows = np.concatenate([spectrum[: half // 2], spectrum[-half // 2 :]])
+    # Four fine pixels to a coarse one.
+    return (rows[:, : half // 2 + 1] / 4).astype(np.float32)
+
+
+def power_of(beam: Float[Array, "l m"], cutout: Cutout) -> Float[Array, " cell"]:
+    """Power of a facet's cells."""
+    first = SIZE // 2 - cutout.size // 2
+    square = slice(first, first + cutout.size)
+    return cutout.transform(beam[square, square]).real
 
 
 def gather_beams(

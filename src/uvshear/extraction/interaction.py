@@ -13,7 +13,7 @@ import numpy as np
 from scipy import fft, sparse
 from scipy.spatial import cKDTree
 
-from uvshear.extraction.beams import SIZE, Beams
+from uvshear.extraction.beams import SIZE, Beams, coarse_spectrum, power_of
 from uvshear.extraction.cutout import Cutout
 from uvshear.extraction.plan import VisitPlan
 from uvshear.galaxy import Profile
@@ -63,7 +63,7 @@ class Interaction:
         self._plateau = np.zeros(len(plan.cutouts))
         self._spectra: dict[int, Float[Array, "u v"]] = {}
         self._planes: dict[tuple[int, float], BeamPlane] = {}
-        self._shares: dict[Cutout, Float[Array, " cell"]] = {}
+        self._own: dict[tuple[int, Cutout], Float[Array, " cell"]] = {}
 
     @property
     def reach(self) -> float:
@@ -99,17 +99,19 @@ class Interaction:
         if cutout.shortest <= 0:
             facet[cutout.origin] -= self._plateau[source]
 
-    def own_share(self, cutout: Cutout) -> Float[Array, " cell"]:
-        """Part of a source's own change that the image holds, cell by cell."""
-        if cutout in self._shares:
-            return self._shares[cutout]
-        distance = np.hypot(*cutout.uv.T)
-        taper = smooth_step(distance, self._band.longest, 0.5 / self._band.pixel)
-        low = np.zeros(len(taper), np.float32)
-        resolved = cutout.coarse_cells[0]
-        low[resolved] = taper[resolved]
-        self._shares[cutout] = low
-        return low
+    def own_power(self, source: int) -> Float[Array, " cell"]:
+        """Power of the beam with which the image holds a source's own change, on the cells of its facet."""
+        cutout, node = self._plan.cutouts[source], int(self._beams.nearest[source])
+        if (node, cutout) not in self._own:
+            taper = smooth_step(np.hypot(*cutout.uv.T), self._band.longest, 0.5 / self._band.pixel)
+            own = np.zeros(len(taper), np.float32)
+            resolved = cutout.coarse_cells[0]
+            own[resolved] = (taper * power_of(self._ending(node), cutout))[resolved]
+            self._own[node, cutout] = own
+        return self._own[node, cutout]
+
+    def _ending(self, node: int) -> Float[Array, "l m"]:
+        return self._beams.ending(node, 2 * START, 2 * END)
 
     def plane(self, node: int) -> BeamPlane:
         """Cells and power of a beam, all baselines that the interaction knows: for sources that overlap."""
@@ -157,5 +159,5 @@ class Interaction:
 
     def _spectrum(self, node: int) -> Float[Array, "u v"]:
         if node not in self._spectra:
-            self._spectra[node] = self._beams.coarse_spectrum(node, START, END)
+            self._spectra[node] = coarse_spectrum(self._ending(node))
         return self._spectra[node]

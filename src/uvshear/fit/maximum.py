@@ -196,12 +196,16 @@ def _evaluate(
             np.zeros(2),
             np.eye(2),
         )
-    flux = float(products[0]) / norm
+    by_flux = (correlator.flux_unit / prior.flux_sigma) ** 2
+    expected = prior.flux / correlator.flux_unit
+    flux = (float(products[0]) + by_flux * expected) / (norm + by_flux)
     deviation = (log_scale_length - prior.log_scale_length) / prior.log_scale_length_sigma
 
     amplitudes = np.array([1.0, flux, flux, flux])
     information = response * np.outer(amplitudes, amplitudes)
     gradient = amplitudes * (products - flux * response[0])
+    information[0, 0] += by_flux
+    gradient[0] = 0.0
     information[3, 3] += 1 / prior.log_scale_length_sigma**2
     gradient[3] -= deviation / prior.log_scale_length_sigma
     by_e = prior.ellipticity_sigma**-2
@@ -217,7 +221,7 @@ def _evaluate(
         ellipticity=ellipticity,
         log_scale_length=log_scale_length,
         flux=flux,
-        log_posterior=float(products[0] ** 2 / (2 * norm) - 0.5 * penalty),
+        log_posterior=0.5 * (flux**2 * (norm + by_flux) - penalty),
         gradient=gradient,
         information=information,
         pull=flux * sums[14:16] - by_x * correlator.centre,

@@ -22,6 +22,11 @@ class FitFlag(Enum):
     UNDETERMINED = "too few baselines to fix a position"
     OFF_POSITION = "the best position is outside the prior on the position"
     NOT_CONVERGED = "the maximum of the likelihood, or the extent of the posterior, was not found"
+    DUPLICATE = "a brighter source stands at the same place: taken for that one, and left out"
+    CONTAMINATED = (
+        "what is left around the source is more than noise: a neighbour that the catalogue lacks,"
+        " or another profile"
+    )
     UNRELIABLE = "the posterior is narrower than data and prior can make it"
 
     @property

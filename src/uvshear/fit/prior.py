@@ -29,6 +29,8 @@ class ShapePrior:
         Standard deviations of one component of e, and of l or m about the facet's centre [rad]: of the maximum, not
         of the posterior. Infinite for a measurement; finite for a sky model, whose sources shall not fit the noise
         that their neighbours are measured by.
+    flux, flux_sigma
+        Mean and standard deviation of the flux [Jy]: of a sky model's maximum alone, as these.
     """
 
     log_scale_length: float
@@ -37,10 +39,13 @@ class ShapePrior:
     ellipticity: EllipticityPrior = field(default_factory=FlatEllipticityPrior)
     ellipticity_sigma: float = math.inf
     position_sigma: float = math.inf
+    flux: float = 0.0
+    flux_sigma: float = math.inf
 
     def penalty(self, fit: GalaxyFit) -> float:
         """Minus twice the log density of a sky model's source, but for a constant."""
         total = (abs(fit.ellipticity) / self.ellipticity_sigma) ** 2
+        total += ((fit.flux - self.flux) / self.flux_sigma) ** 2
         total += float(np.sum((fit.offset / self.position_sigma) ** 2))
         if fit.scale_length > 0:
             total += self._size_deviation(fit) ** 2
@@ -51,16 +56,17 @@ class ShapePrior:
 
         A point source has no shape: the three rows stand for themselves.
         """
+        by_flux = self.flux_sigma**-2
         by_e, by_x = self.ellipticity_sigma**-2, self.position_sigma**-2
         if fit.scale_length > 0:
             by_size = self.log_scale_length_sigma**-2
             away = self._size_deviation(fit) * self.log_scale_length_sigma
             shape = (fit.ellipticity.real, fit.ellipticity.imag, away)
-            precision = np.array([0.0, by_e, by_e, by_size, by_x, by_x])
+            precision = np.array([by_flux, by_e, by_e, by_size, by_x, by_x])
         else:
             shape = (0.0, 0.0, 0.0)
-            precision = np.array([0.0, 1.0, 1.0, 1.0, by_x, by_x])
-        return -precision * np.array([0.0, *shape, *fit.offset]), precision
+            precision = np.array([by_flux, 1.0, 1.0, 1.0, by_x, by_x])
+        return -precision * np.array([fit.flux - self.flux, *shape, *fit.offset]), precision
 
     def _size_deviation(self, fit: GalaxyFit) -> float:
         away = math.log(fit.scale_length) - self.log_scale_length

@@ -16,10 +16,14 @@ from uvshear.geometry.directions import PhaseCentre, direction_cosines, equatori
 from uvshear.io.columns import Columns
 from uvshear.io.provenance import Provenance
 from uvshear.io.tables import read_table, write_table
-from uvshear.typing import Array, Complex, Float, Shaped
+from uvshear.typing import Array, Bool, Complex, Float, Shaped
 
 REFERENCE_FREQUENCY_KEYS = ("reference_frequency", "reffreq", "freq0")
 """Metadata that state the frequency of the fluxes; the last is PyBDSF's."""
+
+POINT = "point"
+GALAXIES = ("galaxy", "exponential", "gaussian", "")
+"""What the column ``profile`` may say; which profile a galaxy has is an option of the measurement."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,8 @@ class Catalogue:
         [rad]; None where the catalogue has none.
     ellipticity
         e1 + i e2 in the (l, m) frame, of simulated catalogues; never used to measure.
+    is_point
+        Stars and active nuclei, of no size; None where the catalogue has no column ``profile``.
     reference_frequency
         [Hz].
     field_centre
@@ -57,6 +63,7 @@ class Catalogue:
     m: Float[Array, " source"] | None = None
     scale_length: Float[Array, " source"] | None = None
     ellipticity: Complex[Array, " source"] | None = None
+    is_point: Bool[Array, " source"] | None = None
     reference_frequency: float = REFERENCE_FREQUENCY
     field_centre: PhaseCentre | None = None
 
@@ -92,11 +99,12 @@ class Catalogue:
                 "give a catalogue of the field that is observed"
             )
         none = np.zeros(len(self))
+        size = none if self.scale_length is None else self.scale_length
         return Galaxies(
             l=l,
             m=m,
             flux=self.flux,
-            scale_length=none if self.scale_length is None else self.scale_length,
+            scale_length=size if self.is_point is None else np.where(self.is_point, 0.0, size),
             ellipticity=none.astype(complex) if self.ellipticity is None else self.ellipticity,
             spectral_index=self.spectral_index,
             reference_frequency=self.reference_frequency,
@@ -169,6 +177,7 @@ def catalogue_from_table(
         spectral_index=index,
         scale_length=scale_length,
         ellipticity=ellipticity,
+        is_point=_points(columns),
         reference_frequency=common,
         field_centre=_field_centre(columns),
         **position,
@@ -201,6 +210,20 @@ def _positions(columns: Columns) -> dict[str, Float[Array, " source"]]:
         f"{columns.name}: has no positions; columns 'ra' and 'dec' (deg), or 'l' and 'm' (rad),"
         f" are needed (it has {', '.join(columns.names)})"
     )
+
+
+def _points(columns: Columns) -> Bool[Array, " source"] | None:
+    """Which sources the column ``profile`` calls points; anything else that it may say is a galaxy."""
+    if not columns.has("profile"):
+        return None
+    words = columns.words("profile")
+    known = np.isin(words, [POINT, *GALAXIES])
+    if not known.all():
+        raise InputError(
+            f"{columns.name}: column 'profile' has '{words[~known][0]}';"
+            f" '{POINT}' or one of {', '.join(repr(word) for word in GALAXIES if word)} is needed"
+        )
+    return words == POINT
 
 
 def _field_centre(columns: Columns) -> PhaseCentre | None:
@@ -289,6 +312,9 @@ def catalogue_table(catalogue: Catalogue, provenance: Provenance | None = None) 
         frame = "e = e1 + i e2, |e| = (a-b)/(a+b), (l East, m North) frame of the phase centre"
         add("e1", catalogue.ellipticity.real, None, frame)
         add("e2", catalogue.ellipticity.imag, None, frame)
+    if catalogue.is_point is not None:
+        words = np.where(catalogue.is_point, POINT, GALAXIES[0])
+        add("profile", words, None, "point: a star or an active nucleus, of no size")
     table.meta["reference_frequency"] = f"{catalogue.reference_frequency:.17g} Hz"
     if catalogue.field_centre is not None:
         table.meta["ra0_deg"] = math.degrees(catalogue.field_centre.ra)

@@ -44,6 +44,13 @@ class Columns:
         """Tell whether the table has it, under any of its spellings."""
         return column in self._spelling
 
+    def words(self, column: str) -> Shaped[Array, " source"]:
+        """Text in lower case, without blanks around it; empty where the table has nothing."""
+        values: Array = np.ma.filled(
+            np.ma.asarray(self.table[self._spelling[column]], dtype=str), ""
+        )
+        return np.array([word.strip().lower() for word in values.tolist()])
+
     def number(
         self,
         column: str,

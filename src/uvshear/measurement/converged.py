@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from uvshear.concurrency import in_order
 from uvshear.extraction.beams import NANOSECONDS, SIZE, Beams, directions, gather_beams
@@ -28,6 +29,7 @@ from uvshear.extraction.residual import (
     gather_residuals,
     work_of,
 )
+from uvshear.fit.goodness import SIGNIFICANT, residual_significance
 from uvshear.fit.measurement import FitFlag, GalaxyFit, ShapeMeasurement, inflated
 from uvshear.fit.shape import measure_shape
 from uvshear.galaxy import Galaxies
@@ -47,12 +49,16 @@ if TYPE_CHECKING:  # the options hold an extraction
 POINT_STAMP = 128
 """Finest pixels across a point source: its image rings until the taper has worn off."""
 
-ROUGH = 0.1
+ROUGH = 0.3
 """Change that counts as none after the first visit: what is left undone is more than that."""
 
-ASTROMETRY = 0.5
+ASTROMETRY = 0.3
 """Standard deviation of the catalogue's positions over the median scale length, for the sky model and unless given:
 loose for a source that can be measured, tight enough to keep neighbours from changing places."""
+
+PHOTOMETRY = 0.3
+"""Standard deviation of the catalogue's fluxes over themselves, for the sky model: two galaxies at one beam from one
+another are told apart by little else."""
 
 PEAKS = 2
 """Visits after which every source looks for its peak anew."""
@@ -75,7 +81,7 @@ class ConvergedExtraction(Extraction):
     """
 
     tolerance: float = 0.05
-    most_visits: int = 4
+    most_visits: int = 3
     scale_lengths: float = 45.0
     epsilon: float = 1e-4
 
@@ -89,7 +95,9 @@ class ConvergedExtraction(Extraction):
         """Measure every source of ``field.measured``, all others of ``field.modelled`` subtracted."""
         if len(field.modelled) == 0:
             return Extracted({}, field.sky, {"extraction": "converged", "visits": 0})
-        return _Run(self, observation, field, options, progress).measure()
+        # Threads of the linear algebra would fight those of the fits, and change the last bits.
+        with threadpool_limits(1, user_api="blas"):
+            return _Run(self, observation, field, options, progress).measure()
 
 
 class _Run:
@@ -127,7 +135,7 @@ class _Run:
         fits: Sequence[GalaxyFit] = self._expected
         beams: Beams | None = None
         history: list[tuple[float, float]] = []
-        steps: list[list[float]] = []
+        rounds: list[list[tuple[float, float]]] = []
         while True:
             plan = self._plan(fits)
             self._foresee(plan, is_first=beams is None)
@@ -138,11 +146,14 @@ class _Run:
                 self._observation, plan, self._sky(fits), self._gridding, self._meter.add
             )
             settlement = Settlement(self._sources, fits, plan, beams, residuals)
-            if len(steps) < PEAKS:
-                settlement.look_for_peaks(options.threads, lambda: self._meter.add(_FIT))
-            rough = max(method.tolerance, ROUGH)
-            tolerance = method.tolerance if history else rough
-            steps.append(settlement.settle(tolerance, options.threads))
+            rounds.append(
+                settlement.settle(
+                    method.tolerance if history else max(method.tolerance, ROUGH),
+                    options.threads,
+                    afresh=len(history) < PEAKS,
+                    tick=lambda: self._meter.add(_FIT),
+                )
+            )
             changes = settlement.changes()
             history.append((float(np.sqrt(np.mean(changes**2))), float(changes.max())))
             fits = settlement.fits
@@ -157,7 +168,7 @@ class _Run:
         record = {
             "extraction": "converged",
             "visits": len(history),
-            "steps": [[round(change, 3) for change in visit] for visit in steps],
+            "rounds": [[[round(x, 3) for x in pair] for pair in visit] for visit in rounds],
             "change_rms": [round(rms, 4) for rms, _ in history],
             "change_max": [round(largest, 4) for _, largest in history],
             "left_undone": round(_left_undone(history), 4),
@@ -178,6 +189,8 @@ class _Run:
                 field.prior(member, options.position_radius, options.ellipticity),
                 ellipticity_sigma=population,
                 position_sigma=sigma,
+                flux=self._expected[k].flux,
+                flux_sigma=PHOTOMETRY * self._expected[k].flux,
             )
             kind = GalaxySource if self._is_galaxy[k] else PointSource
             sources.append(kind(prior, options.profile, self._expected[k]))
@@ -244,8 +257,19 @@ class _Run:
         def sample(k: int) -> ShapeMeasurement:
             source, fit = self._sources[k], settlement.fits[k]
             start = fit if fit.snr > 0 else None
-            prior = replace(source.prior, ellipticity_sigma=math.inf, position_sigma=math.inf)
-            return measure_shape(settlement.facet(k), prior, profile, start)
+            prior = replace(
+                source.prior,
+                ellipticity_sigma=math.inf,
+                position_sigma=math.inf,
+                flux_sigma=math.inf,
+            )
+            shape = measure_shape(settlement.facet(k), prior, profile, start)
+            if shape.flag is FitFlag.OK:
+                size = math.exp(source.prior.log_scale_length)
+                left = residual_significance(settlement.residual(k), profile, size)
+                if left > SIGNIFICANT:
+                    return replace(shape, flag=FitFlag.CONTAMINATED)
+            return shape
 
         chosen = np.flatnonzero(self._is_galaxy)
         covariances = settlement.covariances(chosen)

@@ -15,7 +15,7 @@ MOST_MEMBERS = 6
 def overlapping_groups(
     place: Float[Array, "source 2"], scale_length: Float[Array, " source"]
 ) -> list[list[int]]:
-    """Find groups of two sources or more that overlap, each in rising order, the groups by their first."""
+    """Find groups of overlapping sources, single ones too, each in rising order, the groups by their first."""
     group_of = list(range(len(place)))
     groups = {source: [source] for source in group_of}
     reach = 2 * OVERLAP * float(scale_length.max(initial=0.0))
@@ -32,4 +32,4 @@ def overlapping_groups(
             for source in groups[b]:
                 group_of[source] = a
             groups[a] += groups.pop(b)
-    return sorted(sorted(group) for group in groups.values() if len(group) > 1)
+    return sorted(sorted(group) for group in groups.values())

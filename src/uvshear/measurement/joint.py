@@ -22,7 +22,7 @@ from uvshear.fit.template import PARAMETERS
 from uvshear.galaxy import Profile
 from uvshear.typing import Array, Bool, Float, Int
 
-DAMPING = 0.05
+DAMPING = 0.1
 """Keeps the matrix positive, which is cut off at some distance, and steps short where sources are hard to tell apart:
 along such valleys groups take checked steps of their own (``fit.blend``)."""
 
@@ -45,7 +45,8 @@ class Couplings:
     def at_flux(self, flux: Float[Array, " source"]) -> Float[Array, "pair 6 6"]:
         """Blocks for other fluxes than those they were worked out for: all responses but the first grow with them."""
         ratio = np.ones((len(flux), PARAMETERS))
-        ratio[:, 1:] = (flux / np.where(self.flux > 0, self.flux, flux))[:, None]
+        is_there = (self.flux > 0) & (flux > 0)
+        ratio[is_there, 1:] = (flux[is_there] / self.flux[is_there])[:, None]
         return self.blocks * (ratio[self.first][:, :, None] * ratio[self.second][:, None, :])
 
     def blocks_with_diagonal(

@@ -2,9 +2,10 @@
 
 First in decreasing flux among neighbours (``extraction.schedule``), side by side where far apart, each source against
 what the last visit left, less what its neighbours have changed since (``extraction.interaction``). All at once, each
-by itself, would diverge; in turn it is the Gauss-Seidel iteration, which never lowers the common likelihood. It looks
-for the right peaks. From there all sources take Gauss-Newton steps together (``measurement.joint``), which converge
-where going in turn would creep.
+by itself, would diverge; in turn it is the Gauss-Seidel iteration, which never lowers the common likelihood. It
+finds the right peaks, and those that overlap are fitted together (``fit.blend``). Then all take one Gauss-Newton step
+together (``measurement.joint``): the broad plateau of the beam lets whole neighbourhoods creep where each waits for the
+others.
 """
 
 from collections.abc import Callable, Sequence
@@ -31,7 +32,7 @@ from uvshear.measurement.joint import (
     joint_step,
 )
 from uvshear.measurement.source import ModelledSource
-from uvshear.typing import Array, Complex, Float, Int
+from uvshear.typing import Array, Bool, Complex, Float, Int
 
 SEPARATION = 60 * ARCSEC
 """Sources closer than this are fitted one after the other, the brighter first."""
@@ -43,10 +44,10 @@ MOST_NEIGHBOURS = 8
 """So many of them at most, the nearest first."""
 
 
-MOST_STEPS = 8
+MOST_ROUNDS = 5
 
-RECOUPLED = (0, 2)
-"""Steps before which couplings are worked out anew; in between they are scaled with the fluxes."""
+RECOUPLED = (0,)
+"""Rounds in which couplings are worked out anew; in between they are scaled with the fluxes."""
 
 Tick = Callable[[], None]
 
@@ -71,68 +72,89 @@ class Settlement:
         self._flux = np.array([source.expected.flux for source in sources])
         self._tree = cKDTree(self._place)
         size = np.array([source.expected.scale_length for source in sources])
-        self._groups = overlapping_groups(self._place, size)
+        self._units = overlapping_groups(self._place, size)
         self._is_grouped = np.zeros(len(sources), bool)
-        self._is_grouped[[source for group in self._groups for source in group]] = True
+        self._is_grouped[[k for unit in self._units if len(unit) > 1 for k in unit]] = True
         self._equations: dict[int, NormalEquations] = {}
         self._couplings: Couplings | None = None
 
-    def look_for_peaks(self, threads: int, tick: Tick) -> None:
-        """Fit every source once, in turn, from scratch and from where it was."""
-        for level in fitting_levels(self._place, self._flux, SEPARATION):
-            members = level.tolist()
+    def settle(
+        self, tolerance: float, threads: int, *, afresh: bool, tick: Tick
+    ) -> list[tuple[float, float]]:
+        """Fit in turn and step together, until no source changes by ``tolerance`` of the noise.
 
-            def fit(source: int) -> GalaxyFit:
-                last = self.fits[source]
-                starts = (None, last) if last.snr > 0 else (None,)
-                return self._sources[source].refit(self.facet(source), starts)
-
-            after = []
-            for one in in_order(fit, members, threads):
-                after.append(one)
-                tick()
-            self._change(members, after, threads)
-
-    def settle(self, tolerance: float, threads: int) -> list[float]:
-        """Step together until no source changes by ``tolerance`` of the noise; return the largest of each step."""
-        largest: list[float] = []
-        everyone = list(range(len(self._sources)))
-        for step_number in range(MOST_STEPS):
-            self._fit_groups(threads)
-            self._linearise(everyone, threads)
-            if step_number in RECOUPLED or self._couplings is None:
-                self._couplings = self._couple(threads)
-            steps = joint_step(
-                [self._equations[k] for k in everyone],
-                self._couplings,
-                np.array([fit.flux for fit in self.fits]),
-                self._is_grouped,
-            )
-            after = [self._sources[k].after(self.fits[k], step) for k, step in enumerate(steps)]
-            largest.append(float(self._change(everyone, after, threads).max()))
-            if largest[-1] < tolerance:
+        ``afresh`` looks for the peak of every source anew. Returned are the largest changes of each round, in turn
+        and together.
+        """
+        rounds: list[tuple[float, float]] = []
+        active = np.ones(len(self._sources), bool)
+        for number in range(MOST_ROUNDS):
+            in_turn = self._sweep(active, threads, afresh=afresh and number == 0, tick=tick)
+            together = self._step(threads, tolerance, recoupled=number in RECOUPLED)
+            rounds.append((float(in_turn.max()), float(together.max())))
+            restless = np.flatnonzero(np.maximum(in_turn, together) > tolerance)
+            if len(restless) == 0:
                 break
-        return largest
+            active[:] = False
+            for neighbours in self._tree.query_ball_point(self._place[restless], NEAR):
+                active[neighbours] = True
+        return rounds
 
-    def _fit_groups(self, threads: int) -> None:
-        """Fit sources that overlap together, groups in turn where they are near one another."""
-        if not self._groups:
-            return
+    def _sweep(
+        self, active: Bool[Array, " source"], threads: int, *, afresh: bool, tick: Tick
+    ) -> Float[Array, " source"]:
+        """Fit the active sources in turn, those that overlap together; return by how much of the noise each moved."""
 
-        def fit(group: list[int]) -> list[GalaxyFit]:
-            starts = [self.fits[source] for source in group]
-            if any(start.snr <= 0 for start in starts):
-                return starts
-            members = [self._member(source, group[0]) for source in group]
-            plane = self._interaction.plane(int(self._beams.nearest[group[0]]))
-            return fit_group(members, plane, starts)
+        def fit(unit: list[int]) -> list[GalaxyFit]:
+            if len(unit) > 1 and all(self.fits[source].snr > 0 for source in unit):
+                return self._fit_group(unit)
+            return [self._fit(source, afresh=afresh) for source in unit]
 
-        centres = np.array([self._place[group].mean(axis=0) for group in self._groups])
-        flux = np.array([self._flux[group].max() for group in self._groups])
+        # Steps of a group need a start: afresh, each fits for itself.
+        singles = [[source] for source in range(len(self._sources))]
+        units = [unit for unit in (singles if afresh else self._units) if active[unit].any()]
+        moved = np.zeros(len(self._sources))
+        if not units:
+            return moved
+        centres = np.array([self._place[unit].mean(axis=0) for unit in units])
+        flux = np.array([self._flux[unit].max() for unit in units])
         for level in fitting_levels(centres, flux, SEPARATION):
-            groups = [self._groups[k] for k in level.tolist()]
-            after = [one for fits in in_order(fit, groups, threads) for one in fits]
-            self._change([source for group in groups for source in group], after, threads)
+            together = [units[k] for k in level.tolist()]
+            after: list[GalaxyFit] = []
+            for fits in in_order(fit, together, threads):
+                after += fits
+                tick()
+            members = [source for unit in together for source in unit]
+            moved[members] = self._change(members, after, threads)
+        return moved
+
+    def _fit(self, source: int, *, afresh: bool) -> GalaxyFit:
+        last = self.fits[source]
+        starts = (None, last) if afresh else (last,)
+        return self._sources[source].refit(self.facet(source), starts if last.snr > 0 else (None,))
+
+    def _fit_group(self, group: list[int]) -> list[GalaxyFit]:
+        members = [self._member(source, group[0]) for source in group]
+        plane = self._interaction.plane(int(self._beams.nearest[group[0]]))
+        return fit_group(members, plane, [self.fits[source] for source in group])
+
+    def _step(self, threads: int, tolerance: float, *, recoupled: bool) -> Float[Array, " source"]:
+        """One Gauss-Newton step of all sources but those in groups; return by how much of the noise each moved."""
+        everyone = list(range(len(self._sources)))
+        self._linearise(everyone, threads)
+        if recoupled or self._couplings is None:
+            self._couplings = self._couple(threads)
+        steps = joint_step(
+            [self._equations[k] for k in everyone],
+            self._couplings,
+            np.array([fit.flux for fit in self.fits]),
+            self._is_grouped,
+        )
+        after = [self._sources[k].after(self.fits[k], step) for k, step in enumerate(steps)]
+        far = np.array([self._distance(k, self.fits[k], new) for k, new in enumerate(after)])
+        movers = np.flatnonzero(far > tolerance / 5).tolist()
+        self._change(movers, [after[k] for k in movers], threads)
+        return far
 
     def _member(self, source: int, first: int) -> Member:
         one = self._sources[source]
@@ -155,6 +177,10 @@ class Settlement:
     def facet(self, source: int) -> Facet:
         """Facet of a source, everything else subtracted as it is now."""
         return self._facet(source, with_own=True)
+
+    def residual(self, source: int) -> Facet:
+        """Facet of a source, everything subtracted as it is now, the source too."""
+        return self._facet(source, with_own=False)
 
     def changes(self) -> Float[Array, " source"]:
         """Change of each source since the visit, in units of the noise."""
@@ -216,15 +242,14 @@ class Settlement:
         correlation += self._residuals[source]
         one = self._sources[source]
         now, then = self.fits[source], self._reference[source]
-        own = one.model(then, cutout.uv)
+        past = one.model(then, cutout.uv)
+        present = past if now is then else one.model(now, cutout.uv)
+        correlation += power * past
         if now is not then:
-            present = one.model(now, cutout.uv)
-            own = own + self._interaction.own_share(cutout) * (present - own)
-        else:
-            present = own
+            correlation += self._interaction.own_power(source) * (present - past)
         if not with_own:
-            own = own - present
-        return Facet(cutout.uv, correlation + power * own, power)
+            correlation -= power * present
+        return Facet(cutout.uv, correlation, power)
 
     def _seen(self, source: int, fit: GalaxyFit) -> Source:
         offset = self._plan.offset[source] + fit.offset
