@@ -1,0 +1,112 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from uvshear.imaging import tiles as module
+from uvshear.imaging.interpolation import refined
+from uvshear.imaging.tiles import TAPS, Footprint, plan_tiles
+
+PIXEL = 2e-6
+
+
+def _footprint(seed, sources, span):
+    """``sources`` over a square of ``span`` pixels somewhere in the sky, facets of 10 to 60 pixels."""
+    rng = np.random.default_rng(seed)
+    l, m = (rng.uniform(-3e3, 3e3, 2)[:, None] + span * rng.uniform(size=(2, sources))) * PIXEL
+    return Footprint(l, m, rng.uniform(5, 30, sources) * PIXEL)
+
+
+@pytest.fixture(autouse=True)
+def _small_cores():
+    """Tiles of 300 pixels: many of them, none large."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "CORE", 300)
+        yield
+
+
+footprints = st.builds(
+    _footprint, st.integers(0, 999), st.integers(1, 40), st.sampled_from([0.0, 50.0, 900.0, 2500.0])
+)
+quickly = settings(deadline=None, max_examples=25)
+
+
+@quickly
+@given(footprints, st.integers(1, 4))
+def test_every_source_is_in_exactly_one_tile_of_each_band(footprint, bands):
+    plan = plan_tiles(footprint, PIXEL, bands)
+    assert len(plan) == bands
+    for tiles in plan:
+        members = np.concatenate([tile.members for tile in tiles])
+        np.testing.assert_array_equal(np.sort(members), np.arange(len(footprint.l)))
+        assert all(len(tile.members) for tile in tiles)
+
+
+@quickly
+@given(footprints, st.integers(1, 4))
+def test_every_facet_is_inside_its_tile_in_every_band(footprint, bands):
+    for band, tiles in enumerate(plan_tiles(footprint, PIXEL, bands)):
+        step = PIXEL * 2**band
+        for tile in tiles:
+            half = footprint.half_width[tile.members]
+            for axis, x in enumerate((footprint.l, footprint.m)):
+                place = x[tile.members]
+                assert np.all(place - half >= tile.origin[axis] * step)
+                assert np.all(place + half <= (tile.origin[axis] + tile.size - 1) * step)
+
+
+@quickly
+@given(footprints, st.integers(2, 4))
+def test_a_parent_covers_its_children_and_what_interpolation_reaches_beyond(footprint, bands):
+    plan = plan_tiles(footprint, PIXEL, bands)
+    assert all(tile.parent == -1 for tile in plan[-1])
+    for fine, coarse in zip(plan, plan[1:], strict=False):
+        for tile in fine:
+            parent = coarse[tile.parent]
+            assert set(tile.members) <= set(parent.members)
+            for axis in (0, 1):
+                first = (tile.origin[axis] - 2 * parent.origin[axis]) / 2
+                last = first + (tile.size - 1) / 2
+                assert first >= TAPS - 0.5  # a windowed sinc of 2 TAPS taps: TAPS - 1 below
+                assert last <= parent.size - 1 - TAPS
+
+
+def test_a_parent_can_be_refined_onto_every_child():
+    footprint = _footprint(5, 30, 900.0)
+    fine, coarse = plan_tiles(footprint, PIXEL, 2)
+    assert len(fine) > len(coarse) > 1
+    for tile in fine:
+        above = coarse[tile.parent]
+        shift = tile.origin[0] - 2 * above.origin[0], tile.origin[1] - 2 * above.origin[1]
+        image = refined(np.ones((above.size, above.size), np.float32), shift, tile.size)
+        assert image.shape == (tile.size, tile.size)  # one that is not covered raises
+
+
+@quickly
+@given(footprints, st.integers(1, 4))
+def test_all_tiles_lie_on_one_lattice(footprint, bands):
+    for band, tiles in enumerate(plan_tiles(footprint, PIXEL, bands)):
+        for tile in tiles:
+            assert tile.band == band
+            assert tile.size % 2 == 0
+            # of the finest pixels a tile's centre is a whole number, a multiple of the band's own pixel
+            centre = np.array(tile.centre(PIXEL * 2**band)) / PIXEL / 2**band
+            np.testing.assert_allclose(centre, np.rint(centre), rtol=0, atol=1e-9)
+            np.testing.assert_array_equal(np.rint(centre), np.array(tile.origin) + tile.size // 2)
+
+
+@quickly
+@given(footprints)
+def test_a_tile_is_no_wider_than_its_core_with_the_facets_at_its_edges(footprint):
+    (tiles,) = plan_tiles(footprint, PIXEL, 1)
+    for tile in tiles:
+        for x in (footprint.l, footprint.m):
+            assert np.ptp(x[tile.members]) <= 300.0001 * PIXEL
+        assert tile.size <= 300 + 60 + 8
+
+
+def test_only_places_with_sources_have_tiles():
+    l = np.array([0.0, 3000.0]) * PIXEL
+    footprint = Footprint(l, l, np.full(2, 10 * PIXEL))
+    (tiles,) = plan_tiles(footprint, PIXEL, 1)
+    assert len(tiles) == 2  # of a hundred boxes
