@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from astropy import units
+from astropy.io import fits
 from astropy.table import Table
 from casacore import tables
 
@@ -77,13 +78,13 @@ def test_extraction_and_memory_reach_the_measurement(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     heard: list[MeasurementOptions] = []
-    measure = pipeline.measure
+    extract = pipeline.extract
 
     def listening(observation: Any, sources: Any, options: MeasurementOptions, **more: Any) -> Any:
         heard.append(options)
-        return measure(observation, sources, options, **more)
+        return extract(observation, sources, options, **more)
 
-    monkeypatch.setattr(pipeline, "measure", listening)
+    monkeypatch.setattr(pipeline, "extract", listening)
     output = tmp_path / "shapes.fits"
     words = ("measure", field, "--catalogue", catalogue, "-o", output)
     more = ("--extraction", "paper", "--memory-gb", "1.5")
@@ -93,6 +94,49 @@ def test_extraction_and_memory_reach_the_measurement(
     meta = read_shapes(output).meta
     assert json.loads(meta["EXTRACT"])["facet"] == "CellAverageFacets"
     assert json.loads(meta["OPTIONS"])["extraction"] == "paper"
+
+
+@pytest.mark.parametrize("extraction", ["converged", "paper"])
+def test_what_is_left_is_imaged_and_drawn(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path, extraction: str
+) -> None:
+    image = tmp_path / "left.fits"
+    words = ("measure", field, "--catalogue", catalogue, "-o", tmp_path / "shapes.fits")
+    outcome = uvshear(*words, "--extraction", extraction, "--residual-image", image)
+    assert outcome.status == 0, outcome.err
+    assert f"{image}, {tmp_path / 'left.png'}: rms of the residual" in outcome.out
+    assert (tmp_path / "left.png").read_bytes().startswith(b"\x89PNG")
+    with fits.open(image) as hdus:
+        residual, dirty = (hdu.header for hdu in hdus)
+        assert (
+            residual["RMS"] < 0.1 * dirty["RMS"]
+        )  # beams overlap, and four antennas do not tell all
+        assert json.loads(residual["INPUTS"]) == [str(field), str(catalogue)]
+    assert "residual_image" not in json.loads(read_shapes(tmp_path / "shapes.fits").meta["OPTIONS"])
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("left.png", "give a name that ends in .fits"),
+        ("there.fits", "there.fits: exists already; give --overwrite"),
+        ("drawn.fits", "drawn.png: exists already; give --overwrite"),
+        ("nowhere/left.fits", "does not exist"),
+        ("shapes.fits", "-o is"),
+    ],
+)
+def test_an_image_that_cannot_be_written_is_refused_before_measuring(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path, name: str, message: str
+) -> None:
+    for there in ("there.fits", "drawn.png"):
+        (tmp_path / there).write_text("kept")
+    before = sorted(tmp_path.iterdir())
+    words = ("measure", field, "--catalogue", catalogue, "-o", tmp_path / "shapes.fits")
+    outcome = uvshear(*words, "--residual-image", tmp_path / name)
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert sorted(tmp_path.iterdir()) == before
 
 
 @pytest.mark.parametrize(

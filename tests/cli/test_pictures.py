@@ -98,7 +98,7 @@ def test_the_demo_runs_commands_that_a_user_can_type(
     assert outcome.status == 0, outcome.err
     names = {path.name for path in directory.iterdir()}
     assert names == {
-        *(demo.CATALOGUE, demo.FIELD, demo.SHAPES, demo.SHEAR, demo.SLOPES),
+        *(demo.CATALOGUE, demo.FIELD, demo.SHAPES, demo.IMAGE, demo.SHEAR, demo.SLOPES),
         *(f"{picture}.png" for picture in demo.PICTURES),
     }
     assert "slope of e, weights 1/(s^2 + 0.07)" in outcome.out

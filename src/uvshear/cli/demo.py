@@ -18,14 +18,23 @@ if TYPE_CHECKING:
 
 EPILOG = "Example: uvshear demo my-demo"
 
-CATALOGUE, FIELD, SHAPES, SHEAR, SLOPES = (
+CATALOGUE, FIELD, SHAPES, IMAGE, SHEAR, SLOPES = (
     "catalogue.fits",
     "field.ms",
     "shapes.fits",
+    "residual-image.fits",
     "shear.json",
     "slopes.ecsv",
 )
-PICTURES = ("layout", "uv-coverage", "psf", "ellipticity", "residuals", "shear")
+PICTURES = (
+    "layout",
+    "uv-coverage",
+    "psf",
+    "residual-image",
+    "ellipticity",
+    "residuals",
+    "shear",
+)
 
 INTEGRATION_S: Final = 900
 """32 samples in 8 h: 617 792 rows; 60 s would be 9.3 million."""
@@ -51,7 +60,7 @@ def demo(
     """Simulate a 6' field of SKA-Mid AA4, measure it, and compare with the truth."""
     if directory.exists() and not directory.is_dir():
         raise InputError(f"{directory}: is a file; a directory is needed")
-    names = (CATALOGUE, FIELD, SHAPES, SHEAR, SLOPES, *(f"{name}.png" for name in PICTURES))
+    names = (CATALOGUE, FIELD, SHAPES, IMAGE, SHEAR, SLOPES, *(f"{name}.png" for name in PICTURES))
     there = [directory / name for name in names if (directory / name).exists()]
     if there and not overwrite:
         raise InputError(f"{there[0]}: exists already; give --overwrite or another directory")
@@ -74,13 +83,14 @@ def commands(directory: Path) -> tuple[tuple[str, ...], ...]:
     samples = f"--integration-s {INTEGRATION_S} --channels 1 --snr-at 10 10 --seed 1"
     lens = f"--shear {TRUE_SHEAR.real:g} {TRUE_SHEAR.imag:g}"
     simulated = (*telescope.split(), *samples.split(), *lens.split())
+    image = ("--residual-image", str(directory / IMAGE))
     pictures = (str(directory / "psf.png"), "--uv-output", str(directory / "uv-coverage.png"))
     return (
         ("layouts", "ska-mid-aa4", "-o", picture),
         ("catalogue", *sky.split(), "-o", catalogue),
         ("simulate", "--catalogue", catalogue, *simulated, "-o", field),
         ("psf", field, "-o", *pictures),
-        ("measure", field, "--catalogue", catalogue, "-o", shapes),
+        ("measure", field, "--catalogue", catalogue, "-o", shapes, *image),
         ("shear", shapes, "--snr-min", "10", "-o", shear),
     )
 

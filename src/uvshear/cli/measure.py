@@ -19,10 +19,12 @@ from uvshear.cli.options import (
     uv_range_of,
 )
 from uvshear.cli.profiles import ProfileName, profile_of
-from uvshear.cli.terminal import progress_bar, say, warn
+from uvshear.cli.terminal import progress_bar, say, shorten, warn
+from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
+    from uvshear.extraction.residual_image import DirtyAndResidual
     from uvshear.measurement import Extraction
 
 EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits -o SHAPES.fits"
@@ -124,6 +126,14 @@ def measure(
             help="Memory for what would be worked out again [GB]; by default half of the machine's.",
         ),
     ] = None,
+    residual_image: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.fits",
+            help="Dirty image, and what is left without the sources found; with a picture, FILE.png.",
+            show_default=False,
+        ),
+    ] = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Measure the ellipticity of every source of a catalogue from the visibilities."""
@@ -133,6 +143,7 @@ def measure(
     from uvshear.constants import ARCSEC
     from uvshear.galaxy import CatalogueSize, SizeFluxRelation
     from uvshear.io.catalogue import read_catalogue
+    from uvshear.io.images import write_residual_image
     from uvshear.io.observations import open_observation
     from uvshear.io.outputs import check_file
     from uvshear.io.remarks import remarks_on
@@ -140,10 +151,13 @@ def measure(
     from uvshear.io.tables import check_table_name
     from uvshear.measurement import MeasurementOptions
     from uvshear.measurement.options import half_of_memory
-    from uvshear.pipeline import measure as measure_shapes
+    from uvshear.measurement.residual_image import image_residual
+    from uvshear.pipeline import extract, tabulate
 
     check_table_name(output)
     check_file(output, overwrite=overwrite, inputs=(catalogue,))
+    if residual_image is not None:
+        check_residual_image(residual_image, output, catalogue, overwrite=overwrite)
     frequency = None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6
     sources = read_catalogue(catalogue, flux_unit=flux_unit, reference_frequency=frequency)
     if size_prior is SizePriorName.CATALOGUE and sources.scale_length is None:
@@ -165,14 +179,51 @@ def measure(
         memory=half_of_memory() if memory_gb is None else memory_gb * 1e9,
     )
     with progress_bar("measuring") as progress:
-        shapes = measure_shapes(observation, sources, options, progress=progress)
-    shapes.meta.update(provenance(context, *measurement_sets, catalogue).metadata())
+        measured_field, extracted = extract(observation, sources, options, progress=progress)
+    centre = observation.phase_centre
+    shapes = tabulate(sources, measured_field, extracted, centre, options)
+    made = provenance(context, *measurement_sets, catalogue)
+    shapes.meta.update(made.metadata())
     write_shapes(output, shapes, overwrite=overwrite)
     for path in measurement_sets:
         for remark in remarks_on(path, column, field_of(field)):
             warn(remark)
     measured = sum(flag == "ok" for flag in shapes["flag"])
     say(f"{output}: {measured} of {len(shapes)} sources measured")
+    if residual_image is not None:
+        with progress_bar("imaging") as progress:
+            images = image_residual(
+                observation, measured_field, extracted, options, progress=progress
+            )
+        write_residual_image(residual_image, images, centre, made.metadata(), overwrite=overwrite)
+        _draw(images, shorten(measurement_sets[0].name), residual_image, overwrite=overwrite)
+
+
+def _draw(images: "DirtyAndResidual", title: str, path: Path, *, overwrite: bool) -> None:
+    """Draw the images beside their file, and say what is left."""
+    from uvshear.plot import draw_residual_image, save
+
+    picture = picture_of(path)
+    save(draw_residual_image(images, title), picture, overwrite=overwrite)
+    rms, noise = images.rms / MICROJANSKY, images.noise / MICROJANSKY
+    say(f"{path}, {picture}: rms of the residual {rms:.4g} uJy/beam, thermal noise {noise:.4g}")
+
+
+def picture_of(image: Path) -> Path:
+    """Name of the picture beside an image."""
+    return image.with_suffix(".png")
+
+
+def check_residual_image(image: Path, output: Path, catalogue: Path, *, overwrite: bool) -> None:
+    """Refuse a residual image that cannot be written, or whose picture cannot, before anything is computed."""
+    from uvshear.io.images import check_image_name
+    from uvshear.io.outputs import check_file
+
+    check_image_name(image)
+    for path in (image, picture_of(image)):
+        if path.absolute() == output.absolute():
+            raise InputError(f"--residual-image {image}: -o is {output} too; give two names")
+        check_file(path, overwrite=overwrite, inputs=(catalogue,))
 
 
 def extraction_of(
@@ -195,13 +246,14 @@ def extraction_of(
 
 
 def _converged(facet_size: float | None) -> "Extraction":
-    from uvshear.extraction.exact import ExactFacets
-    from uvshear.measurement import PaperExtraction
+    from uvshear.measurement import ConvergedExtraction
     from uvshear.measurement.options import default_extraction
 
-    if facet_size is None:
-        return default_extraction()
-    return PaperExtraction(ExactFacets(facet_size), rounds=2)
+    return (
+        default_extraction()
+        if facet_size is None
+        else ConvergedExtraction(scale_lengths=facet_size)
+    )
 
 
 def _paper(facet: FacetName, facet_size: float | None, rounds: int) -> "Extraction":

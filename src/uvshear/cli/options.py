@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 Pair = tuple[float, float]
 
-NO_PART_OF_THE_RESULT = frozenset({"threads", "overwrite", "output"})
+NO_PART_OF_THE_RESULT = frozenset({"threads", "overwrite", "output", "residual_image"})
 """Options that provenance leaves out: the same result comes whatever they are."""
 
 

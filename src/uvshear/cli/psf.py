@@ -15,7 +15,7 @@ from uvshear.cli.options import (
     thread_count,
     uv_range_of,
 )
-from uvshear.cli.terminal import say, show_table
+from uvshear.cli.terminal import say, shorten, show_table
 from uvshear.errors import InputError
 
 EPILOG = "Example: uvshear psf FIELD.ms -o field-psf.png"
@@ -108,8 +108,3 @@ def psf(
         overwrite=overwrite,
     )
     say(f"pictures: {psf_picture}, {uv_picture}")
-
-
-def shorten(name: str, longest: int = 32) -> str:
-    """Cut a name that would not fit over a picture."""
-    return name if len(name) <= longest else f"{name[: longest - 1]}…"

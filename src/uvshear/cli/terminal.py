@@ -51,3 +51,8 @@ def warn(text: str) -> None:
 def say(text: str) -> None:
     """Show a line on stdout."""
     typer.echo(text)
+
+
+def shorten(name: str, longest: int = 32) -> str:
+    """Cut a name that would not fit over a picture."""
+    return name if len(name) <= longest else f"{name[: longest - 1]}…"

@@ -8,6 +8,9 @@ from matplotlib.figure import Figure
 from uvshear import plot
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
+from uvshear.extraction.facets import UvRange
+from uvshear.extraction.residual_image import DirtyAndResidual
+from uvshear.imaging import ImageGrid
 from uvshear.interferometer.layout import load_layout
 from uvshear.shear.slope import Slope
 
@@ -50,7 +53,16 @@ def _layout() -> Figure:
     return plot.draw_layout(layout.positions, layout.name)
 
 
-FIGURES = [_uv, _psf, _ellipticities, _residuals, _shear, _layout]
+def _residual_image() -> Figure:
+    rng = np.random.default_rng(4)
+    residual = rng.normal(0, 1e-6, (64, 64)).astype(np.float32)
+    dirty = residual.copy()
+    dirty[40, 50] += 1e-4
+    grid, used = ImageGrid(64, ARCSEC), UvRange(0.0, 1e5)
+    return plot.draw_residual_image(DirtyAndResidual(dirty, residual, grid, 1e12, 1.4e9, used, 999))
+
+
+FIGURES = [_uv, _psf, _ellipticities, _residuals, _shear, _layout, _residual_image]
 
 
 @pytest.mark.parametrize("draw", FIGURES)
@@ -92,8 +104,8 @@ def test_the_slopes_are_quoted() -> None:
     assert "slope 0.980 $\\pm$ 0.020" in labels
 
 
-def test_east_is_left_in_the_uv_plane_and_in_the_psf() -> None:
-    for figure in (_uv(), _psf()):
+def test_east_is_left_in_the_uv_plane_and_in_images() -> None:
+    for figure in (_uv(), _psf(), _residual_image()):
         left, right = figure.axes[0].get_xlim()
         assert left > right
 
@@ -104,3 +116,19 @@ def test_the_map_of_the_vla_has_arms_of_twenty_kilometres() -> None:
     assert points.shape == (27, 2)
     assert 15 < np.hypot(*points.T).max() < 25  # km
     assert np.argmax(points[:, 1]) == np.argmax(np.hypot(*points.T)) or points[:, 1].max() > 10
+
+
+def test_dirty_and_residual_image_share_their_colours_and_quote_rms_and_noise() -> None:
+    figure = _residual_image()
+    dirty, residual = (ax.images[0] for ax in figure.axes[:2])
+    assert dirty.norm is residual.norm
+    assert dirty.norm.vmax == pytest.approx(100, rel=0.05)  # uJy
+    assert "rms 1.0" in figure.axes[1].get_title() or "rms 0.9" in figure.axes[1].get_title()
+    assert "thermal noise 1 $\\mu$Jy/beam" in figure.get_suptitle()
+
+
+def test_a_source_to_the_north_east_is_drawn_there() -> None:
+    shown = _residual_image().axes[0].images[0]
+    row, column = np.unravel_index(np.argmax(shown.get_array()), (64, 64))
+    assert (row, column) == (50, 40)  # m upwards; l along the axis that is inverted
+    np.testing.assert_allclose(shown.get_extent(), np.array([-32.5, 31.5] * 2) / 60)

@@ -1,0 +1,57 @@
+"""A field before and after its sky is taken away."""
+
+import numpy as np
+from matplotlib.colors import AsinhNorm
+from matplotlib.figure import Figure
+
+from uvshear.constants import ARCMIN, MICROJANSKY
+from uvshear.extraction.residual_image import DirtyAndResidual, root_mean_square
+from uvshear.plot.figure import new_figure
+
+LEAST = 5.0
+"""Standard deviations of the noise to either side of zero that the colours tell apart in any case."""
+
+
+def draw_residual_image(
+    images: DirtyAndResidual, title: str = "Dirty and residual image"
+) -> Figure:
+    """Draw the two images with the same colours, North up and East left; the rms of each over it.
+
+    Colours are proportional to the brightness up to the noise, and to its logarithm beyond.
+    """
+    noise = images.noise / MICROJANSKY
+    both = np.stack([images.dirty, images.residual]) / MICROJANSKY
+    low, high = min(float(both.min()), -LEAST * noise), max(float(both.max()), LEAST * noise)
+    norm = AsinhNorm(noise, low, high)
+    half = images.grid.size // 2
+    west, east = (
+        edge * images.grid.pixel / ARCMIN for edge in (-half - 0.5, images.grid.size - half - 0.5)
+    )
+    figure, axes = new_figure(2, 11.5, 5.9)
+    figure.set_layout_engine("compressed")
+    panels = (("Dirty image", images.dirty), ("Residual, all models subtracted", images.residual))
+    for ax, (name, image) in zip(axes, panels, strict=True):
+        shown = ax.imshow(
+            image.T / MICROJANSKY,
+            origin="lower",
+            extent=(west, east, west, east),
+            cmap="cividis",
+            norm=norm,
+        )
+        ax.invert_xaxis()
+        ax.set(xlabel="$l$ [arcmin], East to the left", ylabel="$m$ [arcmin], North up")
+        rms = root_mean_square(image) / MICROJANSKY
+        ax.set_title(f"{name}\nrms {rms:.3g} $\\mu$Jy/beam", fontsize="medium")
+    bar = figure.colorbar(shown, ax=axes, label=r"$\mu$Jy/beam (asinh scale)", pad=0.01)
+    ticks = [tick for tick in _ticks(max(high, -low)) if low <= tick <= high]
+    bar.set_ticks(list(ticks), labels=[f"{tick:g}".replace("-", "−") for tick in ticks])
+    bar.minorticks_off()
+    figure.suptitle(f"{title}; thermal noise {noise:.3g} $\\mu$Jy/beam, natural weights")
+    return figure
+
+
+def _ticks(reach: float) -> list[float]:
+    """Zero and the powers of ten that a scale holds, the three largest of either sign."""
+    top = int(np.floor(np.log10(reach)))
+    powers = [float(10.0**power) for power in range(top - 2, top + 1)]
+    return [*(-power for power in reversed(powers)), 0.0, *powers]
