@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -31,7 +33,7 @@ def test_bands_fall_from_the_longest_baseline_and_each_doubles_the_pixel(field):
     assert bands[0].longest == longest
     assert bands[-1].shortest == shortest
     assert 1 <= len(bands) <= MOST_BANDS
-    for fine, coarse in zip(bands, bands[1:], strict=False):
+    for fine, coarse in pairwise(bands):
         assert coarse.pixel == 2 * fine.pixel
         assert coarse.longest == fine.shortest
     assert all(band.longest > band.shortest for band in bands)

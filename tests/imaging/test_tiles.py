@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -60,7 +62,7 @@ def test_every_facet_is_inside_its_tile_in_every_band(footprint, bands):
 def test_a_parent_covers_its_children_and_what_interpolation_reaches_beyond(footprint, bands):
     plan = plan_tiles(footprint, PIXEL, bands)
     assert all(tile.parent == -1 for tile in plan[-1])
-    for fine, coarse in zip(plan, plan[1:], strict=False):
+    for fine, coarse in pairwise(plan):
         for tile in fine:
             parent = coarse[tile.parent]
             assert set(tile.members) <= set(parent.members)

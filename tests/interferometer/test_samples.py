@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -49,7 +51,7 @@ def test_neighbouring_ranges_share_no_sample_and_lose_none(edges):
     block = _block()
     # an edge exactly on a sample belongs to the range above it
     edges = [0.0, *sorted([*edges, float(block.uv_distance[3, 1])]), np.inf]
-    counts = [len(Samples.of(block, *pair)) for pair in zip(edges, edges[1:], strict=False)]
+    counts = [len(Samples.of(block, *pair)) for pair in pairwise(edges)]
     assert sum(counts) == np.count_nonzero(block.weights)
 
 
@@ -58,7 +60,7 @@ def test_neighbouring_ranges_share_no_sample_and_lose_none(edges):
 def test_parts_joined_are_the_whole(cuts):
     whole = Samples.of(_block(), 0.0, np.inf)
     edges = [0, *sorted(min(cut, len(whole)) for cut in cuts), len(whole)]
-    parts = [whole.select(slice(*pair)) for pair in zip(edges, edges[1:], strict=False)]
+    parts = [whole.select(slice(*pair)) for pair in pairwise(edges)]
     joined = Samples.join(parts)
     for name in ("uvw", "stokes_i", "weights", "frequency"):
         np.testing.assert_array_equal(getattr(joined, name), getattr(whole, name))
