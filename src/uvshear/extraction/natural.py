@@ -1,5 +1,7 @@
 """What natural weights would make of a source, whatever baselines its shape is taken from."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from uvshear.galaxy import Galaxies, Profile
@@ -14,8 +16,8 @@ def natural_norms(
     """<m, m> of each galaxy for unit flux over every visibility [Jy^-2]: snr = S sqrt<m, m>."""
     norms = np.zeros(len(galaxies))
     for chunk in observation.chunks():
-        for source, flux in enumerate(galaxies.flux):
-            one = galaxies.select(np.array([source]))
-            model = predict_visibilities(one, chunk.uvw, chunk.frequency, profile, threads) / flux
+        for source in range(len(galaxies)):
+            one = replace(galaxies.select(np.array([source])), flux=np.ones(1))
+            model = predict_visibilities(one, chunk.uvw, chunk.frequency, profile, threads)
             norms[source] += float(np.sum(chunk.weights * np.abs(model) ** 2, dtype=float))
     return norms

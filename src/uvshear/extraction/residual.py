@@ -69,7 +69,7 @@ def gather_residuals(
     sky: ModelledSky,
     gridding: Gridding,
     step: Step | None = None,
-) -> list[Complex[Array, " cell"]]:
+) -> list[Complex[Array, " _"]]:
     """Facet of each source, with all models subtracted; centred where the plan says."""
     facets = [np.zeros(len(one.multiplicity), np.complex64) for one in plan.cutouts]
     shortest, longest = plan.bands[-1].shortest, plan.bands[0].longest
@@ -105,7 +105,7 @@ def _add_block(
     plan: VisitPlan,
     sky: ModelledSky,
     gridding: Gridding,
-    facets: Sequence[Complex[Array, " cell"]],
+    facets: Sequence[Complex[Array, " _"]],
     step: Step | None,
 ) -> None:
     number = plan.band_of(samples.uv_distance)
@@ -235,7 +235,7 @@ def _cut(
     image: Float[Array, "l m"],
     tile: Tile,
     plan: VisitPlan,
-    facets: Sequence[Complex[Array, " cell"]],
+    facets: Sequence[Complex[Array, " _"]],
     threads: int,
 ) -> None:
     """Add the cutouts of a tile's members to their facets."""

@@ -165,6 +165,7 @@ class _Run:
             for k, (source, fit) in enumerate(zip(self._members, fits, strict=True))
         }
         sky = with_fitted(field.sky, field, found)
+        self._meter.finish()
         record = {
             "extraction": "converged",
             "visits": len(history),
@@ -327,6 +328,10 @@ class _Meter:
 
     def expect(self, work: float) -> None:
         self._total += work
+
+    def finish(self) -> None:
+        self._total = self._done
+        self.add(0.0)
 
     def add(self, work: float) -> None:
         self._done += work

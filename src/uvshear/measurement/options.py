@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from uvshear.errors import InputError
-from uvshear.extraction.exact import ExactFacets
 from uvshear.extraction.facets import UvRange
 from uvshear.galaxy import (
     DiscEllipticityPrior,
@@ -17,13 +16,13 @@ from uvshear.galaxy import (
     SizeFluxRelation,
     SizeModel,
 )
+from uvshear.measurement.converged import ConvergedExtraction
 from uvshear.measurement.extraction import Extraction
-from uvshear.measurement.paper import PaperExtraction
 
 
 def default_extraction() -> Extraction:
     """How sources are told apart unless something else is asked for."""
-    return PaperExtraction(facet=ExactFacets(), rounds=2)
+    return ConvergedExtraction()
 
 
 def half_of_memory() -> float:

@@ -61,7 +61,7 @@ class Settlement:
         fits: Sequence[GalaxyFit],
         plan: VisitPlan,
         beams: Beams,
-        residuals: Sequence[Complex[Array, " cell"]],
+        residuals: Sequence[Complex[Array, " _"]],
     ) -> None:
         self._sources, self._plan, self._beams = sources, plan, beams
         self._residuals = residuals
