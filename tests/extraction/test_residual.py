@@ -1,6 +1,7 @@
 """Visits of the visibilities against direct sums over them."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -196,4 +197,4 @@ def test_slabs_divide_the_samples_evenly(samples):
     assert sum(lengths) == samples
     assert max(lengths) <= 2**21
     assert max(lengths) - min(lengths) <= 1
-    assert all(a.stop == b.start for a, b in zip(parts[:-1], parts[1:], strict=True))
+    assert all(a.stop == b.start for a, b in pairwise(parts))
