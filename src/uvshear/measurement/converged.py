@@ -60,8 +60,8 @@ PHOTOMETRY = 0.3
 """Standard deviation of the catalogue's fluxes over themselves, for the sky model: two galaxies at one beam from one
 another are told apart by little else."""
 
-PEAKS = 2
-"""Visits after which every source looks for its peak anew."""
+PEAKS = 1
+"""Visits after which every source looks for its peak from scratch."""
 
 
 @dataclass(frozen=True)

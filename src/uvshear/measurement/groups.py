@@ -5,10 +5,10 @@ from scipy.spatial import cKDTree
 
 from uvshear.typing import Array, Float
 
-OVERLAP = 2.5
+OVERLAP = 3.0
 """Sources closer than this times the sum of their scale lengths are fitted together."""
 
-MOST_MEMBERS = 6
+MOST_MEMBERS = 8
 """Of a group; beyond that, the closest first, sources are fitted in turn."""
 
 

@@ -22,7 +22,7 @@ from uvshear.fit.template import PARAMETERS
 from uvshear.galaxy import Profile
 from uvshear.typing import Array, Bool, Float, Int
 
-DAMPING = 0.1
+DAMPING = 0.2
 """Keeps the matrix positive, which is cut off at some distance, and steps short where sources are hard to tell apart:
 along such valleys groups take checked steps of their own (``fit.blend``)."""
 

@@ -44,9 +44,9 @@ MOST_NEIGHBOURS = 8
 """So many of them at most, the nearest first."""
 
 
-MOST_ROUNDS = 5
+MOST_ROUNDS = 4
 
-RECOUPLED = (0,)
+RECOUPLED = (0, 1)
 """Rounds in which couplings are worked out anew; in between they are scaled with the fluxes."""
 
 Tick = Callable[[], None]
@@ -71,7 +71,12 @@ class Settlement:
         self._place = plan.place * plan.pixel + plan.offset
         self._flux = np.array([source.expected.flux for source in sources])
         self._tree = cKDTree(self._place)
-        size = np.array([source.expected.scale_length for source in sources])
+        size = np.array(
+            [
+                max(source.expected.scale_length, fit.scale_length)
+                for source, fit in zip(sources, fits, strict=True)
+            ]
+        )
         self._units = overlapping_groups(self._place, size)
         self._is_grouped = np.zeros(len(sources), bool)
         self._is_grouped[[k for unit in self._units if len(unit) > 1 for k in unit]] = True
@@ -148,7 +153,8 @@ class Settlement:
             [self._equations[k] for k in everyone],
             self._couplings,
             np.array([fit.flux for fit in self.fits]),
-            self._is_grouped,
+            # One that was not found stands as it is expected, until a fit finds it.
+            self._is_grouped | np.array([fit.snr <= 0 for fit in self.fits]),
         )
         after = [self._sources[k].after(self.fits[k], step) for k, step in enumerate(steps)]
         far = np.array([self._distance(k, self.fits[k], new) for k, new in enumerate(after)])
