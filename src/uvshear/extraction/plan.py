@@ -45,6 +45,8 @@ class VisitPlan:
 
     Parameters
     ----------
+    shortest, longest
+        Of the baselines that take part [wavelengths].
     bands
         From the longest baselines down.
     tiles
@@ -57,6 +59,8 @@ class VisitPlan:
         From there to the source [rad].
     """
 
+    shortest: float
+    longest: float
     bands: tuple[Band, ...]
     tiles: tuple[tuple[Tile, ...], ...]
     cutouts: tuple[Cutout, ...]
@@ -74,11 +78,18 @@ class VisitPlan:
         return len(edges) - np.searchsorted(edges, distance, side="right")
 
 
-def plan_visit(wanted: Wanted, shortest: float, longest: float) -> VisitPlan:
-    """Plan for baselines from ``shortest`` to ``longest`` [wavelengths]."""
+def plan_visit(
+    wanted: Wanted, shortest: float, longest: float, finest: float | None = None
+) -> VisitPlan:
+    """Plan for baselines from ``shortest`` to ``longest``, and pixels for ones as long as ``finest`` [wavelengths].
+
+    Sources interact on pixels twice as wide as the finest: where an array does not resolve them, all of its baselines
+    belong there, and ``finest`` is up to twice ``longest``.
+    """
+    finest = max(finest or longest, longest)
     lm = np.column_stack([wanted.l, wanted.m])
     span = float(np.ptp(lm, axis=0).max(initial=0.0)) + float(wanted.width.max(initial=0.0))
-    bands = octaves(shortest, longest, span)
+    bands = octaves(shortest, finest, span)
     pixel = bands[0].pixel
     steps = np.ceil(np.log(wanted.width / pixel) / math.log(LADDER) - 1e-9)
     sizes = [cutout_size(pixel * LADDER**step, pixel) for step in steps]
@@ -91,4 +102,4 @@ def plan_visit(wanted: Wanted, shortest: float, longest: float) -> VisitPlan:
     place = 2 * np.rint(lm / (2 * pixel)).astype(int)
     footprint = Footprint(wanted.l, wanted.m, (np.array(sizes) / 2 + 2) * pixel)
     tiles = plan_tiles(footprint, pixel, len(bands))
-    return VisitPlan(bands, tiles, cutouts, place, lm - place * pixel)
+    return VisitPlan(shortest, longest, bands, tiles, cutouts, place, lm - place * pixel)

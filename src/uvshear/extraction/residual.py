@@ -72,8 +72,7 @@ def gather_residuals(
 ) -> list[Complex[Array, " _"]]:
     """Facet of each source, with all models subtracted; centred where the plan says."""
     facets = [np.zeros(len(one.multiplicity), np.complex64) for one in plan.cutouts]
-    shortest, longest = plan.bands[-1].shortest, plan.bands[0].longest
-    for samples in blocks(observation, shortest, longest, gridding.block):
+    for samples in blocks(observation, plan.shortest, plan.longest, gridding.block):
         _add_block(samples, plan, sky, gridding, facets, step)
     return [
         facet * one.recentring(tuple(offset))

@@ -32,7 +32,7 @@ from uvshear.extraction.residual import (
 from uvshear.fit.goodness import SIGNIFICANT, residual_significance
 from uvshear.fit.measurement import FitFlag, GalaxyFit, ShapeMeasurement, inflated
 from uvshear.fit.shape import measure_shape
-from uvshear.galaxy import Galaxies
+from uvshear.imaging.bands import OVERSAMPLING
 from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.extraction import Extracted, Extraction, Progress
 from uvshear.measurement.field import Field
@@ -56,6 +56,9 @@ ASTROMETRY = 0.3
 """Standard deviation of the catalogue's positions over the median scale length, for the sky model and unless given:
 loose for a source that can be measured, tight enough to keep neighbours from changing places."""
 
+ERROR, FINEST = 0.3, 1e-5
+"""Error of the gridder over the noise, for the brightest source; and the least in single precision."""
+
 PHOTOMETRY = 0.3
 """Standard deviation of the catalogue's fluxes over themselves, for the sky model: two galaxies at one beam from one
 another are told apart by little else."""
@@ -77,7 +80,7 @@ class ConvergedExtraction(Extraction):
     scale_lengths
         Width of a facet over the median scale length; wider for galaxies found to be larger.
     epsilon
-        Relative error of the gridder.
+        Relative error of the gridder, where no source is so bright that it must be smaller.
     """
 
     tolerance: float = 0.05
@@ -124,10 +127,15 @@ class _Run:
             for flux, size in zip(self._spectrum.fluxes[0], sky.scale_length, strict=True)
         ]
         self._sources: list[ModelledSource] = []
-        self._uv_max = self._informative(sky)
+        informative = self._informative()
+        self._uv_max = np.minimum(informative, field.uv_range.maximum)
         self._longest = float(self._uv_max.max()) * (1 + 1e-9)
+        self._finest = min(float(informative.max()) * (1 + 1e-9), 2 * self._longest)
         block = int(options.memory / 3 / BYTES_PER_SAMPLE)
-        self._gridding = Gridding(method.epsilon, max(block, 2**16), options.threads)
+        # What the gridder errs by shall be below the noise of the brightest source.
+        snr = float(sky.flux.max()) * math.sqrt(extent.weight)
+        epsilon = min(method.epsilon, max(ERROR / snr, FINEST))
+        self._gridding = Gridding(epsilon, max(block, 2**16), options.threads)
         self._meter = _Meter(progress)
 
     def measure(self) -> Extracted:
@@ -197,14 +205,14 @@ class _Run:
             sources.append(kind(prior, options.profile, self._expected[k]))
         return sources
 
-    def _informative(self, sky: Galaxies) -> Float[Array, " source"]:
+    def _informative(self) -> Float[Array, " source"]:
         """Longest baseline that tells anything of each source [wavelengths]."""
         field = self._field
         size = field.size
         small = np.exp(size.log_median - 2 * size.sigma)[self._members]
         uv_max = np.where(self._is_galaxy, SMALL / small, 0.0)
         longest = float(uv_max.max()) if self._is_galaxy.any() else math.inf
-        return np.minimum(np.where(self._is_galaxy, uv_max, longest), field.uv_range.maximum)
+        return np.where(self._is_galaxy, uv_max, longest)
 
     def _plan(self, fits: Sequence[GalaxyFit]) -> VisitPlan:
         field, members = self._field, self._members
@@ -213,11 +221,11 @@ class _Run:
         narrowest = float(least[self._is_galaxy].min()) if self._is_galaxy.any() else math.inf
         width = np.maximum(least, [2 * fit.half_width for fit in fits])
         width = np.where(self._is_galaxy, width, narrowest)
-        pixel = 1 / (2.4 * self._longest)
+        pixel = 1 / (2 * OVERSAMPLING * self._finest)
         wanted = Wanted(
             field.l[members], field.m[members], np.minimum(width, 0.8 * SIZE * pixel), self._uv_max
         )
-        return plan_visit(wanted, field.uv_range.minimum, self._longest)
+        return plan_visit(wanted, field.uv_range.minimum, self._longest, self._finest)
 
     def _sky(self, fits: Sequence[GalaxyFit]) -> ModelledSky:
         field = self._field
@@ -228,7 +236,7 @@ class _Run:
         sky = with_fitted(field.sky, field, found).select(self._members)
         extent = field.extent
         spectrum = SpectralExpansion.of(sky, extent.lowest_frequency, extent.frequency)
-        pixel = 1 / (2.4 * self._longest)
+        pixel = 1 / (2 * OVERSAMPLING * self._finest)
         half = np.array([fit.half_width for fit in fits])
         median = np.exp(field.size.log_median[self._members])
         half = np.maximum(half, self._method.scale_lengths / 2 * median)
