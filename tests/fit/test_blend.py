@@ -126,19 +126,21 @@ def test_the_log_posterior_never_falls(seed):
 def test_the_gain_counted_is_that_of_the_whole_likelihood():
     """<r_i, d_i> - <d, d>/2 is what the likelihood of all data gains."""
     fits = [_fit(x) for x in START]
-    group = blend._Group(_members(START), BeamPlane(UV, POWER), fits)
+    prior = ShapePrior(math.log(ALPHA), 0.05, ellipticity_sigma=0.05, position_sigma=0.1 * ALPHA)
+    group = blend._Group(_members(START, prior=prior), BeamPlane(UV, POWER), fits)
     correlation = POWER * _total(TRUTH)
     trial = START + np.array([[0.3, 0.1, 0.05, 0.1, 0.1, 0.0], [-0.2, 0, 0.1, 0, 0, 0.2]]) * SCALE
 
     def whole(thetas):
         return likelihood.log_likelihood(UV, correlation, POWER, list(thetas), PLACES)
 
-    priors = -0.5 * sum(LOOSE.penalty(_fit(x)) for x in trial)
-    priors += 0.5 * sum(LOOSE.penalty(_fit(x)) for x in START)
+    priors = -0.5 * sum(prior.penalty(_fit(x)) for x in trial)
+    priors += 0.5 * sum(prior.penalty(_fit(x)) for x in START)
     got = group.log_posterior([_fit(x) for x in trial]) - group.log_posterior(fits)
     expected = whole(trial) - whole(START) + priors
-    assert abs(expected) > 10
-    # measured 1e-6; <d, d> whole, or a facet counted twice: 0.5
+    assert abs(priors) > 5
+    assert abs(expected - priors) > 10
+    # measured 2e-7; <d, d> whole, a facet counted twice, or the priors: 0.5
     assert got == pytest.approx(expected, rel=1e-5)
 
 
