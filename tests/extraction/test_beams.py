@@ -165,7 +165,7 @@ def test_sources_of_one_cutout_and_direction_share_their_power(one_channel, beam
     assert beams.power(1, cutout) is beams.power(2, cutout)
 
 
-@settings(max_examples=40)
+@settings(deadline=None, max_examples=40)
 @given(st.integers(0, 999), st.integers(1, 30), st.floats(0.0, 0.05))
 def test_every_source_has_a_direction_within_half_the_spacing_and_every_direction_a_source(
     seed, sources, width

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import fft
 
@@ -103,6 +103,7 @@ def test_coarse_cells_are_all_those_below_half_the_nyquist_frequency(one):
     np.testing.assert_array_equal(one.coarse_cells[0], np.flatnonzero(resolved))
 
 
+@settings(deadline=None)
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
 def test_recentring_moves_a_source_at_the_offset_to_the_centre(x, y):
     one = CUTOUTS[0]
@@ -113,6 +114,7 @@ def test_recentring_moves_a_source_at_the_offset_to_the_centre(x, y):
     np.testing.assert_allclose(there, expected, rtol=0, atol=2e-6 * np.abs(expected).max())
 
 
+@settings(deadline=None)
 @given(st.floats(1e-6, 3e-3), st.floats(1e-6, 1e-4))
 def test_sizes_are_multiples_of_four_quick_to_transform_at_both_pixels(width, pixel):
     size = cutout_size(width, pixel)

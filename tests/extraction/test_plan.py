@@ -69,6 +69,7 @@ def test_sources_of_about_one_size_share_their_cutout():
     assert cutouts[0] != cutouts[2]
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(0.0, 1.0, exclude_max=True), min_size=1, max_size=20))
 def test_the_number_of_a_samples_band_is_that_of_the_band_that_holds_it(parts):
     plan = plan_visit(_wanted(span=6000), 50.0, LONGEST)

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uvshear.fit.measurement import FitFlag, GalaxyFit, ShapeMeasurement, inflated
@@ -34,6 +34,7 @@ def _shape(covariance):
 seeds = st.integers(0, 9999)
 
 
+@settings(deadline=None)
 @given(seeds)
 def test_a_posterior_as_wide_as_its_fisher_matrix_becomes_that_of_free_neighbours(seed):
     alone, free = _matrix(seed), _matrix(seed + 1)
@@ -41,6 +42,7 @@ def test_a_posterior_as_wide_as_its_fisher_matrix_becomes_that_of_free_neighbour
     np.testing.assert_allclose(got.covariance, free[E, E], rtol=1e-6, atol=1e-9)
 
 
+@settings(deadline=None)
 @given(seeds)
 def test_neighbours_that_add_nothing_change_nothing(seed):
     alone, posterior = _matrix(seed), _matrix(seed + 1, 2)
@@ -51,6 +53,7 @@ def test_neighbours_that_add_nothing_change_nothing(seed):
     np.testing.assert_allclose(got.offset_err, [0.3, 0.4])
 
 
+@settings(deadline=None)
 @given(seeds, st.floats(1.0, 9.0))
 def test_every_error_grows_with_the_fisher_matrix(seed, factor):
     alone, posterior = _matrix(seed), _matrix(seed + 1, 2)
@@ -63,6 +66,7 @@ def test_every_error_grows_with_the_fisher_matrix(seed, factor):
     assert got.e_sigma == pytest.approx(_shape(posterior).e_sigma * grown, rel=1e-6)
 
 
+@settings(deadline=None)
 @given(seeds)
 def test_the_area_of_the_ellipse_grows_by_that_of_the_fisher_matrices(seed):
     alone, free, posterior = _matrix(seed), _matrix(seed + 1), _matrix(seed + 2, 2)
@@ -97,6 +101,7 @@ def test_a_failure_stays_a_failure():
     assert inflated(failed, np.eye(6), 2 * np.eye(6)) is failed
 
 
+@settings(deadline=None)
 @given(st.floats(1.0, 1e4), st.floats(0.0, 0.9))
 def test_beyond_its_half_width_a_disc_is_lost_in_the_noise(snr, e):
     fit = GalaxyFit(1.0, np.zeros(2), complex(0, e), 2.0, snr)

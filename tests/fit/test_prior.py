@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.fit.facets import ALPHA
@@ -29,6 +29,7 @@ def _fit(theta):
     return GalaxyFit(flux, np.array([l, m]), complex(e1, e2), math.exp(log_alpha), 1.0)
 
 
+@settings(deadline=None)
 @given(thetas)
 def test_the_penalty_is_minus_twice_the_logarithm_of_the_density(theta):
     flux, e1, e2, log_alpha, l, m = theta
@@ -39,6 +40,7 @@ def test_the_penalty_is_minus_twice_the_logarithm_of_the_density(theta):
     assert PRIOR.penalty(_fit(theta)) == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
+@settings(deadline=None)
 @given(thetas)
 def test_the_pull_is_minus_half_the_penaltys_gradient_and_the_precision_half_its_curvature(theta):
     def penalty(values):
@@ -77,6 +79,7 @@ def test_the_shape_of_a_point_source_is_not_pulled_and_stands_for_itself():
     assert PRIOR.penalty(fit) == pytest.approx(expected)
 
 
+@settings(deadline=None)
 @given(thetas, st.floats(1.1, 3.0))
 def test_a_looser_prior_penalises_less(theta, factor):
     looser = replace(PRIOR, ellipticity_sigma=factor * 0.25, flux_sigma=factor * 0.6)

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.fit.facets import ALPHA, EXPONENTIAL, GAUSSIAN, samples
@@ -60,6 +60,7 @@ steps = st.tuples(*[st.floats(-0.3, 0.3)] * 6).map(
 )
 
 
+@settings(deadline=None)
 @given(steps)
 def test_the_difference_of_a_galaxy_moved_is_the_step(step):
     new = moved(FIT, step)
@@ -72,6 +73,7 @@ def test_the_difference_of_a_galaxy_moved_is_the_step(step):
     assert new.snr == FIT.snr
 
 
+@settings(deadline=None)
 @given(steps)
 def test_moving_by_the_difference_leads_from_one_galaxy_to_the_other(step):
     new = moved(FIT, step)
@@ -79,6 +81,7 @@ def test_moving_by_the_difference_leads_from_one_galaxy_to_the_other(step):
     np.testing.assert_allclose(_theta(again), _theta(new), rtol=1e-12, atol=1e-18)
 
 
+@settings(deadline=None)
 @given(st.floats(-5, 5), st.floats(-5, 5))
 def test_no_step_leaves_the_disc_of_ellipticities(e1, e2):
     new = moved(FIT, np.array([0, e1, e2, 0, 0, 0]))

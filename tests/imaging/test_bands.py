@@ -2,7 +2,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uvshear.imaging.bands import FEWEST_PIXELS, MOST_BANDS, octaves
@@ -14,6 +14,7 @@ fields = st.tuples(st.floats(0.0, 0.9), st.floats(1e3, 1e6), st.floats(1e-5, 0.1
 )
 
 
+@settings(deadline=None)
 @given(fields, st.floats(0.0, 1.0, exclude_max=True))
 def test_every_baseline_of_the_range_is_in_exactly_one_band(field, part):
     shortest, longest, width = field
@@ -26,6 +27,7 @@ def test_every_baseline_of_the_range_is_in_exactly_one_band(field, part):
     assert not any(band.holds(np.array([longest])).any() for band in bands)
 
 
+@settings(deadline=None)
 @given(fields)
 def test_bands_fall_from_the_longest_baseline_and_each_doubles_the_pixel(field):
     shortest, longest, width = field
@@ -39,6 +41,7 @@ def test_bands_fall_from_the_longest_baseline_and_each_doubles_the_pixel(field):
     assert all(band.longest > band.shortest for band in bands)
 
 
+@settings(deadline=None)
 @given(fields)
 def test_pixels_oversample_a_fifth_and_those_to_be_interpolated_three_fifths(field):
     bands = octaves(*field)
@@ -48,6 +51,7 @@ def test_pixels_oversample_a_fifth_and_those_to_be_interpolated_three_fifths(fie
         assert 0.5 / band.pixel == pytest.approx(1.6 * band.longest, rel=1e-12)
 
 
+@settings(deadline=None)
 @given(fields)
 def test_no_band_has_an_image_smaller_than_worth_while_but_the_only_one(field):
     bands = octaves(*field)

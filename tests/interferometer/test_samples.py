@@ -46,6 +46,7 @@ def test_samples_are_the_visibilities_with_weight_within_the_range_of_uv_distanc
     np.testing.assert_allclose(samples.uv_distance, np.hypot(u, v), rtol=1e-14)
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(1.0, 2e4), min_size=1, max_size=5, unique=True))
 def test_neighbouring_ranges_share_no_sample_and_lose_none(edges):
     block = _block()
@@ -55,7 +56,7 @@ def test_neighbouring_ranges_share_no_sample_and_lose_none(edges):
     assert sum(counts) == np.count_nonzero(block.weights)
 
 
-@settings(max_examples=30)
+@settings(deadline=None, max_examples=30)
 @given(st.lists(st.integers(0, 60), max_size=4))
 def test_parts_joined_are_the_whole(cuts):
     whole = Samples.of(_block(), 0.0, np.inf)

@@ -1,5 +1,5 @@
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uvshear.constants import ARCSEC
@@ -16,6 +16,7 @@ def _chain(*gaps):
     return np.column_stack([x, np.zeros(len(x))]), np.full(len(x), SIZE)
 
 
+@settings(deadline=None)
 @given(st.integers(0, 9999), st.integers(1, 40), st.floats(1.0, 30.0))
 def test_every_source_is_in_exactly_one_group(seed, sources, width):
     rng = np.random.default_rng(seed)
@@ -26,6 +27,7 @@ def test_every_source_is_in_exactly_one_group(seed, sources, width):
     assert max(len(group) for group in groups) <= MOST_MEMBERS
 
 
+@settings(deadline=None)
 @given(st.integers(0, 9999), st.integers(2, 12))
 def test_groups_are_the_connected_sets_of_overlaps_where_none_is_too_large(seed, sources):
     rng = np.random.default_rng(seed)

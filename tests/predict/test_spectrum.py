@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.skies import galaxies
@@ -26,6 +26,7 @@ def _expanded(expansion, frequency):
     return (expansion.fluxes.T @ powers) * expansion.gain(frequency)
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(-2.0, 1.5), min_size=1, max_size=6), st.floats(1.01, 1.86))
 def test_the_expansion_is_each_sources_power_law_over_the_band(indices, ratio):
     sky = _sky(indices)
@@ -38,6 +39,7 @@ def test_the_expansion_is_each_sources_power_law_over_the_band(indices, ratio):
     assert error.max() < 1.5 * TOLERANCE
 
 
+@settings(deadline=None)
 @given(st.floats(-2.0, 2.0), st.integers(1, 5))
 def test_sources_of_one_index_need_one_term(index, count):
     sky = _sky([index] * count)
