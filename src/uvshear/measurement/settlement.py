@@ -8,7 +8,8 @@ together (``measurement.joint``): the broad plateau of the beam lets whole neigh
 others.
 """
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -22,6 +23,7 @@ from uvshear.extraction.schedule import fitting_levels
 from uvshear.fit.blend import Member, fit_group
 from uvshear.fit.coupling import NormalEquations, normal_equations
 from uvshear.fit.measurement import GalaxyFit
+from uvshear.fit.template import Template
 from uvshear.interferometer.facet import Facet
 from uvshear.measurement.groups import overlapping_groups
 from uvshear.measurement.joint import (
@@ -130,7 +132,11 @@ class Settlement:
                 after += fits
                 tick()
             members = [source for unit in together for source in unit]
+            before = {source: self.fits[source] for source in members}
             moved[members] = self._change(members, after, threads)
+            for unit in together:
+                if len(unit) > 1:
+                    moved[unit] = self._unit_distance(unit, before)
         return moved
 
     def _fit(self, source: int, *, afresh: bool) -> GalaxyFit:
@@ -189,13 +195,11 @@ class Settlement:
         return self._facet(source, with_own=False)
 
     def changes(self) -> Float[Array, " source"]:
-        """Change of each source since the visit, in units of the noise."""
-        return np.array(
-            [
-                self._distance(source, self._reference[source], self.fits[source])
-                for source in range(len(self._sources))
-            ]
-        )
+        """Change of each source since the visit, in units of the noise; of a group, that of its sum."""
+        moved = np.zeros(len(self._sources))
+        for unit in self._units:
+            moved[unit] = self._unit_distance(unit, self._reference)
+        return moved
 
     def covariances(
         self, chosen: Int[Array, " chosen"]
@@ -260,6 +264,20 @@ class Settlement:
     def _seen(self, source: int, fit: GalaxyFit) -> Source:
         offset = self._plan.offset[source] + fit.offset
         return Source(fit.flux, tuple(offset), fit.ellipticity, fit.scale_length)
+
+    def _unit_distance(
+        self, unit: list[int], before: Mapping[int, GalaxyFit] | Sequence[GalaxyFit]
+    ) -> float:
+        """Change of the sum of a unit's models: sources that overlap may trade what the data cannot tell apart."""
+        if len(unit) == 1:
+            return self._distance(unit[0], before[unit[0]], self.fits[unit[0]])
+        plane = self._interaction.plane(int(self._beams.nearest[unit[0]]))
+        change = np.zeros(len(plane.power), np.complex64)
+        for source in unit:
+            place = tuple(self._place[source] - self._place[unit[0]])
+            template = Template(plane.uv, self._sources[source].profile, place)
+            change += template.model(self.fits[source]) - template.model(before[source])
+        return math.sqrt(max(float(np.sum(plane.power * np.abs(change) ** 2)), 0.0))
 
     def _distance(self, source: int, old: GalaxyFit, new: GalaxyFit) -> float:
         if old is new:
