@@ -24,6 +24,8 @@ from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from uvshear.extraction.residual_image import DirtyAndResidual
     from uvshear.measurement import Extraction
 
@@ -190,6 +192,7 @@ def measure(
             warn(remark)
     measured = sum(flag == "ok" for flag in shapes["flag"])
     say(f"{output}: {measured} of {len(shapes)} sources measured")
+    tell_convergence(extracted.record)
     if residual_image is not None:
         with progress_bar("imaging") as progress:
             images = image_residual(
@@ -224,6 +227,19 @@ def check_residual_image(image: Path, output: Path, catalogue: Path, *, overwrit
         if path.absolute() == output.absolute():
             raise InputError(f"--residual-image {image}: -o is {output} too; give two names")
         check_file(path, overwrite=overwrite, inputs=(catalogue,))
+
+
+def tell_convergence(record: "Mapping[str, object]") -> None:
+    """Say how far the sky still was from settled; a way that does not iterate has nothing to say."""
+    left, tolerance = record.get("left_undone"), record.get("tolerance")
+    if not isinstance(left, float) or not isinstance(tolerance, float):
+        return
+    say(f"{record['visits']} visits; another would change a source by {left:.2g} of the noise")
+    if left > tolerance:
+        warn(
+            f"the sky has not settled: {left:.2g} of the noise is above {tolerance:g};"
+            " overlapping galaxies are to be taken with care"
+        )
 
 
 def extraction_of(

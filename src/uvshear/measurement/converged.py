@@ -181,6 +181,7 @@ class _Run:
             "change_rms": [round(rms, 4) for rms, _ in history],
             "change_max": [round(largest, 4) for _, largest in history],
             "left_undone": round(_left_undone(history), 4),
+            "tolerance": method.tolerance,
         }
         return Extracted(
             with_natural_snr(measurements, self._observation, sky, options), sky, record
