@@ -30,7 +30,7 @@ def test_shapes_are_measured_and_tell_how(
     output = tmp_path / "shapes.fits"
     outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output, "--uv-min", "10")
     assert outcome.status == 0, outcome.err
-    assert outcome.err == ""
+    assert all("has not settled" in line for line in outcome.err.splitlines())
     shapes = read_shapes(output)
     assert shapes.colnames[:CONTRACT] == list(COLUMNS)[:CONTRACT]
     assert shapes["id"].tolist() == [1, 2, 3]
