@@ -163,3 +163,27 @@ def test_the_prior_of_the_size_pulls_a_faint_galaxy_towards_its_median():
     assert tight is not None
     assert tight.scale_length == pytest.approx(ALPHA, rel=0.01)
     assert free.scale_length > 1.2 * ALPHA
+
+
+def test_at_the_edge_of_the_disc_of_ellipticities_the_maximum_along_it_is_found():
+    """Thin galaxies under noise: about a third have their maximum at the edge."""
+    at_edge = 0
+    for seed in range(40):
+        facet, _ = noisy(np.random.default_rng(seed), 0.67 + 0.67j, snr=8.0)
+        correlator = Correlator(facet, EXPONENTIAL, np.float64)
+        best = maximise_likelihood(correlator, PRIOR)
+        assert best is not None
+        assert best.has_converged
+        if abs(best.ellipticity) < 0.9499:
+            continue
+        at_edge += 1
+
+        def height(turn=0.0, larger=0.0, best=best, facet=facet, correlator=correlator):
+            e = 0.95 * np.exp(1j * (np.angle(best.ellipticity) + turn))
+            position = best.position * correlator.length
+            size = best.log_scale_length + larger
+            return _log_posterior(facet, "exponential", e, size, position)
+
+        for step in ({"turn": 0.05}, {"turn": -0.05}, {"larger": 0.1}, {"larger": -0.1}):
+            assert height() > height(**step) - 1e-3
+    assert at_edge > 10

@@ -12,8 +12,8 @@ from uvshear.typing import Array, Float
 
 LARGEST_ELLIPTICITY = 0.95
 _TOLERANCE = 1e-3
-_MOST_STEPS = 40
-_MOST_DAMPING = 1e6
+_MOST_STEPS = 80
+_LEAST_DAMPING, _MOST_DAMPING = 1e-3, 1e6
 _UPPER = ((0, 0), (0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3))
 
 
@@ -122,13 +122,14 @@ def _climb(
     longest = search_radius(correlator, prior)
     largest = min(LARGEST_ELLIPTICITY, prior.ellipticity.maximum * (1 - 1e-6))
     state = _evaluate(correlator, prior, _inside(ellipticity, largest), log_scale_length)
-    damping, has_converged = 1e-3, False
+    damping, has_converged = _LEAST_DAMPING, False
     for _ in range(_MOST_STEPS):
         if state.flux <= 0:
             return None
-        step = np.linalg.solve(_damped(state.information, damping), state.gradient)
+        information, gradient = _within_disc(state, largest)
+        step = np.linalg.solve(_damped(information, damping), gradient)
         shift = np.linalg.solve(_damped(state.position_information, damping), state.pull)
-        if state.gradient @ step + state.pull @ shift < _TOLERANCE:
+        if gradient @ step + state.pull @ shift < _TOLERANCE:
             has_converged = True
             break
         before = correlator.centre
@@ -138,12 +139,12 @@ def _climb(
         trial = _evaluate(correlator, prior, e, size)
         gain = trial.log_posterior - state.log_posterior
         if gain > 0:
-            state, damping = trial, damping / 10
+            state, damping = trial, max(damping / 10, _LEAST_DAMPING)
         else:
             correlator.move_to(before)
             damping *= 10
-        # At the edge of the disc of ellipticities steps promise more than they can keep.
-        if abs(gain) < _TOLERANCE:
+        # A step may promise more than it can keep; one that was short and gained nothing was at the top.
+        if abs(gain) < _TOLERANCE and (gain > 0 or damping > 1):
             has_converged = True
             break
         if damping > _MOST_DAMPING:
@@ -158,6 +159,24 @@ def _climb(
         position_information=state.position_information,
         has_converged=has_converged,
     )
+
+
+def _within_disc(state: _State, largest: float) -> tuple[Float[Array, "4 4"], Float[Array, " 4"]]:
+    """Fisher matrix and gradient; at the edge of the disc of ellipticities, and drawn outwards, those along the edge."""
+    e = state.ellipticity
+    if abs(e) < largest * (1 - 1e-9):
+        return state.information, state.gradient
+    outward = np.array([0, e.real, e.imag, 0]) / abs(e)
+    drawn = float(outward @ state.gradient)
+    if drawn <= 0:
+        return state.information, state.gradient
+    along = np.array([0, -e.imag, e.real, 0]) / abs(e)
+    rest = np.eye(4) - np.outer(outward, outward)
+    information = rest @ state.information @ rest
+    information += float(outward @ state.information @ outward) * np.outer(outward, outward)
+    # Along the edge the outward slope turns into a curvature.
+    information += drawn / abs(e) * np.outer(along, along)
+    return information, rest @ state.gradient
 
 
 def _made_positive(information: Float[Array, "n n"]) -> Float[Array, "n n"]:
