@@ -17,7 +17,7 @@ from uvshear.cli.measure import ExtractionName, FacetName, extraction_of
 from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
 from uvshear.extraction.exact import ExactFacets
 from uvshear.io.shapes import COLUMNS, read_shapes
-from uvshear.measurement import MeasurementOptions, PaperExtraction
+from uvshear.measurement import ConvergedExtraction, MeasurementOptions, PaperExtraction
 from uvshear.measurement.options import default_extraction
 
 CONTRACT = 21
@@ -59,6 +59,9 @@ def test_extraction_and_facets_are_chosen_by_name_and_size() -> None:
     exact, cells = FacetName.EXACT, FacetName.CELL_AVERAGE
     for facet in (None, exact):
         assert extraction_of(converged, facet, None, None) == default_extraction()
+    # A uv-min that is asked for is taken at its word, 0 too.
+    assert extraction_of(converged, None, None, None, 0.0) == ConvergedExtraction(shortest=0.0)
+    assert extraction_of(converged, None, 60.0, None) == ConvergedExtraction(scale_lengths=60.0)
     for facet in (None, cells):
         assert extraction_of(paper, facet, None, None) == PaperExtraction(
             CellAverageFacets(PaperTable()), rounds=1

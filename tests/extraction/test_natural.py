@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from tests.extraction.sources import PROFILE, part
 from tests.reference import direct_sum
@@ -9,17 +10,25 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 
 
-def test_natural_norms_are_sums_over_every_visibility_for_unit_flux():
+@pytest.mark.parametrize("beta", [0.0, -0.8])
+def test_natural_norms_are_sums_over_every_visibility_for_unit_flux(beta):
     frequency = np.array([1.3e9, 1.5e9])
-    uvw = random_baselines(60, 4e3, depth=0.0)
-    weights = np.random.default_rng(2).uniform(0, 2, (60, 2))
-    seen = Visibilities(uvw, frequency, np.zeros((60, 2), complex), weights)
-    chunks = tuple(part(seen, rows) for rows in np.array_split(np.arange(60), 3))
+    uvw = random_baselines(600, 2e4, depth=0.0)
+    uvw[0] = 0.0
+    weights = np.random.default_rng(2).uniform(0, 2, (600, 2))
+    seen = Visibilities(uvw, frequency, np.zeros((600, 2), complex), weights)
+    chunks = tuple(part(seen, rows) for rows in np.array_split(np.arange(600), 3))
     observation = VisibilitySet(PhaseCentre(0.0, 0.0), chunks)
-    e = np.array([0.3 + 0.2j, 0j])
-    sky = galaxies(0.0, 0.0, [2e-5, 7e-5], [3 * ARCSEC, 0.0], e, beta=0.0)
+    e = np.array([0.3 + 0.2j, -0.7 + 0.1j, 0j])
+    size = np.array([3.0, 0.8, 0.0]) * ARCSEC
+    sky = galaxies(0.0, 0.0, [2e-5, 3e-5, 7e-5], size, e, beta=beta)
     norms = natural_norms(observation, sky, PROFILE)
-    extended = direct_sum.galaxy(0, 0, 1.0, e[0], 3 * ARCSEC, uvw, frequency)
-    np.testing.assert_allclose(
-        norms, [np.sum(weights * np.abs(extended) ** 2), weights.sum()], rtol=1e-9
-    )
+    gain = (frequency / sky.reference_frequency) ** beta
+    expected = [
+        np.sum(weights * np.abs(gain * direct_sum.galaxy(0, 0, 1.0, *one, uvw, frequency)) ** 2)
+        for one in zip(e[:2], size[:2], strict=True)
+    ]
+    np.testing.assert_allclose(norms[:2], expected, rtol=1e-3)
+    # A cell has one frequency.
+    exactly = 1e-9 if beta == 0 else 2e-3
+    np.testing.assert_allclose(norms[2], np.sum(weights * gain**2), rtol=exactly)

@@ -66,8 +66,13 @@ def measure(
     catalogue: Annotated[Path, typer.Option(help="Catalogue of the sources.")],
     output: Output,
     uv_min: Annotated[
-        float, typer.Option(callback=non_negative, help="Shortest baseline used [wavelengths].")
-    ] = 0.0,
+        float | None,
+        typer.Option(
+            callback=non_negative,
+            help="Shortest baseline used [wavelengths]; by default (converged) the shortest that tells of shapes.",
+            show_default=False,
+        ),
+    ] = None,
     uv_max: Annotated[
         float | None, typer.Option(callback=positive, help="Longest baseline used [wavelengths].")
     ] = None,
@@ -139,8 +144,8 @@ def measure(
     overwrite: Overwrite = False,
 ) -> None:
     """Measure the ellipticity of every source of a catalogue from the visibilities."""
-    uv_range = uv_range_of(uv_min, uv_max)
-    way = extraction_of(extraction, facet, facet_size, rounds)
+    uv_range = uv_range_of(uv_min or 0.0, uv_max)
+    way = extraction_of(extraction, facet, facet_size, rounds, uv_min)
 
     from uvshear.constants import ARCSEC
     from uvshear.galaxy import CatalogueSize, SizeFluxRelation
@@ -243,7 +248,11 @@ def tell_convergence(record: "Mapping[str, object]") -> None:
 
 
 def extraction_of(
-    name: ExtractionName, facet: FacetName | None, facet_size: float | None, rounds: int | None
+    name: ExtractionName,
+    facet: FacetName | None,
+    facet_size: float | None,
+    rounds: int | None,
+    uv_min: float | None = None,
 ) -> "Extraction":
     """Return the way of telling sources apart; facets are ``facet_size`` scale lengths wide, if given."""
     if name is ExtractionName.CONVERGED:
@@ -257,18 +266,18 @@ def extraction_of(
                 f"--extraction converged --rounds {rounds}: it goes on until nothing changes;"
                 " --extraction paper is needed, or no --rounds"
             )
-        return _converged(facet_size)
+        return _converged(facet_size, uv_min)
     return _paper(facet or FacetName.CELL_AVERAGE, facet_size, rounds or 1)
 
 
-def _converged(facet_size: float | None) -> "Extraction":
+def _converged(facet_size: float | None, uv_min: float | None) -> "Extraction":
     from uvshear.measurement import ConvergedExtraction
-    from uvshear.measurement.options import default_extraction
 
-    return (
-        default_extraction()
-        if facet_size is None
-        else ConvergedExtraction(scale_lengths=facet_size)
+    # A shortest baseline that is asked for, 0 too, is taken at its word.
+    usual = ConvergedExtraction()
+    return ConvergedExtraction(
+        scale_lengths=usual.scale_lengths if facet_size is None else facet_size,
+        shortest=usual.shortest if uv_min is None else uv_min,
     )
 
 

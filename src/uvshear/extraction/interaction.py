@@ -140,6 +140,8 @@ class Interaction:
 
     def _far_couplings(self, plan: VisitPlan) -> sparse.csr_matrix:
         place = plan.place * plan.pixel + plan.offset
+        if plan.shortest > 0:
+            return sparse.csr_matrix((len(place), len(place)))
         pairs = cKDTree(place).query_pairs(FAR * self.reach, output_type="ndarray")
         apart = place[pairs[:, 1]] - place[pairs[:, 0]]
         distance = np.hypot(*apart.T)

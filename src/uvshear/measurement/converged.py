@@ -21,7 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from uvshear.concurrency import in_order
 from uvshear.extraction.beams import NANOSECONDS, SIZE, Beams, directions, gather_beams
-from uvshear.extraction.plan import SMALL, VisitPlan, Wanted, plan_visit
+from uvshear.extraction.plan import VisitPlan, Wanted, plan_visit
 from uvshear.extraction.residual import (
     BYTES_PER_SAMPLE,
     Gridding,
@@ -34,14 +34,15 @@ from uvshear.fit.measurement import FitFlag, GalaxyFit, ShapeMeasurement, inflat
 from uvshear.fit.shape import measure_shape
 from uvshear.imaging.bands import OVERSAMPLING
 from uvshear.interferometer.visibilities import Observation
+from uvshear.measurement.baselines import Baselines
 from uvshear.measurement.extraction import Extracted, Extraction, Progress
 from uvshear.measurement.field import Field
+from uvshear.measurement.meter import Meter
 from uvshear.measurement.natural_snr import with_natural_snr
 from uvshear.measurement.settlement import Settlement
 from uvshear.measurement.sky import with_fitted
 from uvshear.measurement.source import GalaxySource, ModelledSource, PointSource
 from uvshear.predict.spectrum import SpectralExpansion
-from uvshear.typing import Array, Float
 
 if TYPE_CHECKING:  # the options hold an extraction
     from uvshear.measurement.options import MeasurementOptions
@@ -81,12 +82,16 @@ class ConvergedExtraction(Extraction):
         Width of a facet over the median scale length; wider for galaxies found to be larger.
     epsilon
         Relative error of the gridder, where no source is so bright that it must be smaller.
+    shortest
+        Baseline below which visibilities are left out [wavelengths], unless the uv range asks for more; by default
+        those that tell nothing of shapes (``measurement.baselines``), 0 for none.
     """
 
     tolerance: float = 0.05
     most_visits: int = 3
     scale_lengths: float = 45.0
     epsilon: float = 1e-4
+    shortest: float | None = None
 
     def measure(
         self,
@@ -127,16 +132,13 @@ class _Run:
             for flux, size in zip(self._spectrum.fluxes[0], sky.scale_length, strict=True)
         ]
         self._sources: list[ModelledSource] = []
-        informative = self._informative()
-        self._uv_max = np.minimum(informative, field.uv_range.maximum)
-        self._longest = float(self._uv_max.max()) * (1 + 1e-9)
-        self._finest = min(float(informative.max()) * (1 + 1e-9), 2 * self._longest)
+        self._baselines = Baselines.of(field, self._is_galaxy, method.shortest)
         block = int(options.memory / 3 / BYTES_PER_SAMPLE)
         # What the gridder errs by shall be below the noise of the brightest source.
         snr = float(sky.flux.max()) * math.sqrt(extent.weight)
         epsilon = min(method.epsilon, max(ERROR / snr, FINEST))
         self._gridding = Gridding(epsilon, max(block, 2**16), options.threads)
-        self._meter = _Meter(progress)
+        self._meter = Meter(progress)
 
     def measure(self) -> Extracted:
         field, method, options = self._field, self._method, self._options
@@ -145,7 +147,7 @@ class _Run:
         history: list[tuple[float, float]] = []
         rounds: list[list[tuple[float, float]]] = []
         while True:
-            plan = self._plan(fits)
+            plan = self._plan(fits, is_first=beams is None)
             self._foresee(plan, is_first=beams is None)
             if beams is None:
                 beams = self._gather_beams(plan)
@@ -177,15 +179,18 @@ class _Run:
         record = {
             "extraction": "converged",
             "visits": len(history),
+            "shortest_baseline": round(self._baselines.shortest, 1),
             "rounds": [[[round(x, 3) for x in pair] for pair in visit] for visit in rounds],
             "change_rms": [round(rms, 4) for rms, _ in history],
             "change_max": [round(largest, 4) for _, largest in history],
             "left_undone": round(_left_undone(history), 4),
             "tolerance": method.tolerance,
         }
-        return Extracted(
-            with_natural_snr(measurements, self._observation, sky, options), sky, record
-        )
+        used = self._baselines
+        if used.shortest > 0 or options.uv_range.maximum < math.inf:
+            profile = options.profile
+            measurements = with_natural_snr(measurements, self._observation, sky, profile)
+        return Extracted(measurements, sky, record)
 
     def _describe(self) -> list[ModelledSource]:
         field, options = self._field, self._options
@@ -206,27 +211,23 @@ class _Run:
             sources.append(kind(prior, options.profile, self._expected[k]))
         return sources
 
-    def _informative(self) -> Float[Array, " source"]:
-        """Longest baseline that tells anything of each source [wavelengths]."""
-        field = self._field
-        size = field.size
-        small = np.exp(size.log_median - 2 * size.sigma)[self._members]
-        uv_max = np.where(self._is_galaxy, SMALL / small, 0.0)
-        longest = float(uv_max.max()) if self._is_galaxy.any() else math.inf
-        return np.where(self._is_galaxy, uv_max, longest)
-
-    def _plan(self, fits: Sequence[GalaxyFit]) -> VisitPlan:
+    def _plan(self, fits: Sequence[GalaxyFit], *, is_first: bool) -> VisitPlan:
         field, members = self._field, self._members
         median = np.exp(field.size.log_median[members])
         least = self._method.scale_lengths * median
         narrowest = float(least[self._is_galaxy].min()) if self._is_galaxy.any() else math.inf
         width = np.maximum(least, [2 * fit.half_width for fit in fits])
         width = np.where(self._is_galaxy, width, narrowest)
-        pixel = 1 / (2 * OVERSAMPLING * self._finest)
-        wanted = Wanted(
-            field.l[members], field.m[members], np.minimum(width, 0.8 * SIZE * pixel), self._uv_max
-        )
-        return plan_visit(wanted, field.uv_range.minimum, self._longest, self._finest)
+        pixel = 1 / (2 * OVERSAMPLING * self._baselines.finest)
+        used = self._baselines
+        width = np.minimum(width, 0.8 * SIZE * pixel)
+        wanted = Wanted(field.l[members], field.m[members], width, used.uv_max)
+        plan = plan_visit(wanted, used.shortest, used.longest, used.finest)
+        if not is_first or len(plan.bands) == 1:
+            return plan
+        # Circles become ellipses without the longest baselines, the dearest to visit.
+        longest = min(plan.bands[0].shortest, used.longest)
+        return plan_visit(wanted, used.shortest, longest, used.finest)
 
     def _sky(self, fits: Sequence[GalaxyFit]) -> ModelledSky:
         field = self._field
@@ -237,7 +238,7 @@ class _Run:
         sky = with_fitted(field.sky, field, found).select(self._members)
         extent = field.extent
         spectrum = SpectralExpansion.of(sky, extent.lowest_frequency, extent.frequency)
-        pixel = 1 / (2 * OVERSAMPLING * self._finest)
+        pixel = 1 / (2 * OVERSAMPLING * self._baselines.finest)
         half = np.array([fit.half_width for fit in fits])
         median = np.exp(field.size.log_median[self._members])
         half = np.maximum(half, self._method.scale_lengths / 2 * median)
@@ -250,7 +251,7 @@ class _Run:
     def _gather_beams(self, plan: VisitPlan) -> Beams:
         field = self._field
         lm = np.column_stack([field.l, field.m])[self._members]
-        uv_range = (field.uv_range.minimum, self._longest)
+        uv_range = (self._baselines.shortest, self._baselines.longest)
         return gather_beams(
             self._observation,
             lm,
@@ -299,7 +300,7 @@ class _Run:
     def _foresee(self, plan: VisitPlan, *, is_first: bool) -> None:
         """Tell the meter what is to come: a second visit is taken for granted, more are not."""
         samples = self._field.extent.samples
-        tiles = [tile for band in plan.tiles for tile in band]
+        tiles = [tile for band in plan.tiles[plan.top :] for tile in band]
         visit = sum(work_of(samples // len(plan.bands), tile) for tile in tiles)
         visit += len(self._members) * _FIT
         if is_first:
@@ -326,23 +327,3 @@ def _left_undone(history: list[tuple[float, float]]) -> float:
         return largest[0]
     shrinkage = largest[-1] / largest[-2] if largest[-2] > 0 else 0.0
     return largest[-1] * min(shrinkage, 1.0)
-
-
-class _Meter:
-    """Work done and work foreseen, in nanoseconds or so."""
-
-    def __init__(self, progress: Progress | None) -> None:
-        self._progress = progress
-        self._done = self._total = 0.0
-
-    def expect(self, work: float) -> None:
-        self._total += work
-
-    def finish(self) -> None:
-        self._total = self._done
-        self.add(0.0)
-
-    def add(self, work: float) -> None:
-        self._done += work
-        if self._progress is not None:
-            self._progress(round(self._done / 1e6), round(max(self._total, self._done) / 1e6))

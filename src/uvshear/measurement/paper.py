@@ -7,6 +7,7 @@
    against the better sky; if it is bad again, it keeps its flag, and with it no weight.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
@@ -16,7 +17,7 @@ from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
 from uvshear.extraction.cell_average import CellAverageFacets, PaperTable
 from uvshear.extraction.facets import FacetMethod
-from uvshear.fit.measurement import FitFlag
+from uvshear.fit.measurement import FitFlag, ShapeMeasurement
 from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.extraction import Extracted, Extraction, Progress
 from uvshear.measurement.field import Field
@@ -74,8 +75,11 @@ class PaperExtraction(Extraction):
             sweep.expect(len(put_aside))
             sweep.forget(bad)
             measurements |= sweep.measure_shapes(put_aside)
+        quoted: Mapping[int, ShapeMeasurement] = measurements
+        if not options.uv_range.is_everything:
+            quoted = with_natural_snr(measurements, observation, sweep.sky, options.profile)
         return Extracted(
-            measurements=with_natural_snr(measurements, observation, sweep.sky, options),
+            measurements=quoted,
             sky=sweep.sky,
             record={
                 "method": "paper",

@@ -159,14 +159,18 @@ class Settlement:
             [self._equations[k] for k in everyone],
             self._couplings,
             np.array([fit.flux for fit in self.fits]),
-            # One that was not found stands as it is expected, until a fit finds it.
-            self._is_grouped | np.array([fit.snr <= 0 for fit in self.fits]),
+            self._is_grouped | np.array([self._is_stuck(k) for k in everyone]),
         )
         after = [self._sources[k].after(self.fits[k], step) for k, step in enumerate(steps)]
         far = np.array([self._distance(k, self.fits[k], new) for k, new in enumerate(after)])
         movers = np.flatnonzero(far > tolerance / 5).tolist()
         self._change(movers, [after[k] for k in movers], threads)
         return far
+
+    def _is_stuck(self, source: int) -> bool:
+        """Whether a source stands where no step leads on: as expected, for no fit found it, or at the edge of e."""
+        fit, largest = self.fits[source], self._sources[source].prior.ellipticity.maximum
+        return fit.snr <= 0 or abs(fit.ellipticity) > 0.99 * largest
 
     def _member(self, source: int, first: int) -> Member:
         one = self._sources[source]
