@@ -72,6 +72,11 @@ class VisitPlan:
         """The finest [rad]."""
         return self.bands[0].pixel
 
+    @property
+    def top(self) -> int:
+        """Number of the finest band that holds baselines: 0, or 1 where the longest are left out."""
+        return int(len(self.bands) > 1 and self.longest <= self.bands[0].shortest)
+
     def band_of(self, distance: Float[Array, " sample"]) -> Int[Array, " sample"]:
         """Tell the number of the band of each uv distance [wavelengths]."""
         edges = [band.shortest for band in self.bands[:-1]][::-1]

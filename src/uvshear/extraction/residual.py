@@ -109,7 +109,7 @@ def _add_block(
 ) -> None:
     number = plan.band_of(samples.uv_distance)
     coarser: list[Float[Array, "l m"]] = []
-    for b in range(len(plan.bands) - 1, -1, -1):
+    for b in range(len(plan.bands) - 1, plan.top - 1, -1):
         band, tiles = plan.bands[b], plan.tiles[b]
         part = samples.select(np.flatnonzero(number == b))
         weighted = _weighted_residual(part, tiles, band, sky, gridding)
@@ -120,7 +120,7 @@ def _add_block(
                 (i, j), (k, l) = tile.origin, above.origin
                 shift = i - 2 * k, j - 2 * l
                 np.add(image, refined(coarser[tile.parent], shift, tile.size), out=image)
-            if b == 0:
+            if b == plan.top:
                 _cut(image, tile, plan, facets, gridding.threads)
             else:
                 images.append(image)
@@ -240,9 +240,14 @@ def _cut(
     """Add the cutouts of a tile's members to their facets."""
 
     def add(source: int) -> None:
-        one = plan.cutouts[source]
-        i, j = plan.place[source] - tile.origin - one.size // 2
-        facets[source][:] += one.transform(image[i : i + one.size, j : j + one.size])
+        one, facet = plan.cutouts[source], facets[source]
+        size, place = one.size // 2**plan.top, plan.place[source] // 2**plan.top
+        i, j = place - tile.origin - size // 2
+        square = image[i : i + size, j : j + size]
+        if plan.top == 0:
+            facet += one.transform(square)
+        else:
+            one.add_coarse(square, 1.0, facet)
 
     for _ in in_order(add, tile.members.tolist(), threads):
         pass
