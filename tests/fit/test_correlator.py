@@ -55,11 +55,9 @@ def test_correlations_are_the_sums_over_cells(dtype, of_data, of_norm, kind, num
 @pytest.mark.parametrize("kind", PROFILES)
 @pytest.mark.parametrize(("dtype", "allowed"), [(np.float32, 2e-5), (np.float64, 1e-7)])
 def test_normal_sums_are_those_of_the_models_derivatives(dtype, allowed, kind):
-    from uvshear.fit.maximum import _form_derivatives
-
     facet, e, log_alpha, step = _facet(), 0.3 - 0.4j, float(np.log(ALPHA)) + 0.1, 1e-5
     correlator = Correlator(facet, PROFILES[kind], dtype)
-    derivatives = _form_derivatives(correlator, e, log_alpha)
+    derivatives = correlator.form_derivatives(e, log_alpha)
     sums = correlator.normal_sums(correlator.form(e, log_alpha), derivatives)
 
     def model(d=0j, a=0.0):

@@ -14,6 +14,8 @@ from uvshear.geometry.ellipticity import (
     lensing_components,
     position_angle,
     quadratic_form,
+    quadratic_form_derivatives,
+    quadratic_form_of,
     rotate,
     sheared_scale_length,
     to_local_north,
@@ -138,3 +140,20 @@ def test_treecorr_finds_the_tangential_shear_put_around_a_lens():
     # measured 2e-5 gamma_t; unrotated axes leave xi_im = 0.12 gamma_t, a wrong sign of g2 xi = 0
     np.testing.assert_allclose(correlation.xi[filled], gamma_t, rtol=2e-4)
     np.testing.assert_allclose(correlation.xi_im[filled], 0, atol=2e-4 * gamma_t)
+
+
+@pytest.mark.parametrize("e", [0j, 0.3 - 0.2j, -0.7 + 0.4j])
+def test_the_form_of_one_galaxy_and_its_derivatives_are_those_of_many(e):
+    def form(de=0j, larger=0.0):
+        return np.array(quadratic_form(np.array([e + de]), np.array([2.0 * np.exp(larger)])))[:, 0]
+
+    np.testing.assert_allclose(quadratic_form_of(e, 2.0), form(), rtol=1e-14)
+    step = 1e-6
+    differences = [
+        (form(step) - form(-step)) / (2 * step),
+        (form(1j * step) - form(-1j * step)) / (2 * step),
+        (form(larger=step) - form(larger=-step)) / (2 * step),
+    ]
+    np.testing.assert_allclose(
+        quadratic_form_derivatives(e, 2.0), differences, rtol=1e-8, atol=1e-8
+    )

@@ -239,7 +239,10 @@ def tell_convergence(record: "Mapping[str, object]") -> None:
     left, tolerance = record.get("left_undone"), record.get("tolerance")
     if not isinstance(left, float) or not isinstance(tolerance, float):
         return
-    say(f"{record['visits']} visits; another would change a source by {left:.2g} of the noise")
+    say(
+        f"{record['visits']} visits; another would change sources by {left:.2g} of the noise (rms),"
+        f" one by {record['left_undone_most']:.2g}"
+    )
     if left > tolerance:
         warn(
             f"the sky has not settled: {left:.2g} of the noise is above {tolerance:g};"

@@ -17,7 +17,7 @@ from uvshear.extraction.beams import SIZE, Beams, coarse_spectrum, power_of
 from uvshear.extraction.cutout import Cutout
 from uvshear.extraction.plan import VisitPlan
 from uvshear.galaxy import Profile
-from uvshear.geometry.ellipticity import quadratic_form
+from uvshear.geometry.ellipticity import quadratic_form_of
 from uvshear.imaging.bands import Band
 from uvshear.interferometer.facet import BeamPlane
 from uvshear.predict.rendering import smooth_step, transform_on_stamp
@@ -154,8 +154,7 @@ class Interaction:
         return half + half.T
 
     def _transform(self, source: Source) -> Complex[Array, "u v"]:
-        e, size = np.array([source.ellipticity]), np.array([source.scale_length])
-        form = np.array(quadratic_form(e, size))[:, 0]
+        form = quadratic_form_of(source.ellipticity, source.scale_length)
         spectrum = transform_on_stamp(form, source.offset, WINDOW, self._band, self._profile)
         return spectrum * np.float32(source.flux)
 

@@ -9,7 +9,11 @@ import numpy as np
 
 from uvshear.fit import kernels
 from uvshear.galaxy import Profile
-from uvshear.geometry.ellipticity import quadratic_form
+from uvshear.geometry.ellipticity import (
+    quadratic_form,
+    quadratic_form_derivatives,
+    quadratic_form_of,
+)
 from uvshear.interferometer.facet import Facet
 from uvshear.typing import Array, Complex, Float
 
@@ -59,8 +63,13 @@ class Correlator:
 
     def form(self, ellipticity: complex, log_scale_length: float) -> Float[Array, " 3"]:
         """Coefficients of q = 4 pi^2 alpha^2 |A^-T k|^2 in the scaled uv."""
-        size = math.exp(log_scale_length) / self.length
-        return np.array(quadratic_form(np.array([ellipticity]), np.array([size])))[:, 0]
+        return quadratic_form_of(ellipticity, math.exp(log_scale_length) / self.length)
+
+    def form_derivatives(
+        self, ellipticity: complex, log_scale_length: float
+    ) -> Float[Array, "3 3"]:
+        """Differentiate :meth:`form` by e1, e2 and ln alpha, a row each."""
+        return quadratic_form_derivatives(ellipticity, math.exp(log_scale_length) / self.length)
 
     def envelope(self, form: Float[Array, " 3"]) -> Float[Array, " cell"]:
         """Unit-flux Fourier transform of the template on the cells."""

@@ -130,3 +130,22 @@ def argument(uv, form, q):  # type: ignore[no-untyped-def]
     for i in range(q.size):
         u, v = uv[i, 0], uv[i, 1]
         q[i] = a * u * u + b * u * v + c * v * v
+
+
+@compiled
+def respond(uv, phase, envelope, slope, by_shape, flux, out):  # type: ignore[no-untyped-def]
+    """Write the derivatives of flux * envelope * phase by flux, e1, e2, ln alpha, l, m, a row each.
+
+    ``slope`` is d(envelope)/dq, and the rows of ``by_shape`` hold the derivatives of q's coefficients.
+    """
+    for i in range(phase.size):
+        u, v = uv[i, 0], uv[i, 1]
+        uu, cross, vv = u * u, u * v, v * v
+        out[0, i] = envelope[i] * phase[i]
+        steep = flux * slope[i]
+        for row in range(3):
+            by_q = by_shape[row, 0] * uu + by_shape[row, 1] * cross + by_shape[row, 2] * vv
+            out[1 + row, i] = steep * by_q * phase[i]
+        turned = 2j * math.pi * flux * out[0, i]
+        out[4, i] = u * turned
+        out[5, i] = v * turned

@@ -162,7 +162,7 @@ def _climb(
 
 
 def _within_disc(state: _State, largest: float) -> tuple[Float[Array, "4 4"], Float[Array, " 4"]]:
-    """Fisher matrix and gradient; at the edge of the disc of ellipticities, and drawn outwards, those along the edge."""
+    """Fisher matrix and gradient; at the edge of the disc of ellipticities, drawn outwards, those along the edge."""
     e = state.ellipticity
     if abs(e) < largest * (1 - 1e-9):
         return state.information, state.gradient
@@ -197,7 +197,7 @@ def _evaluate(
 ) -> _State:
     """Posterior at the best flux, its gradient and Fisher information, at the correlator's centre."""
     form = correlator.form(ellipticity, log_scale_length)
-    derivatives = _form_derivatives(correlator, ellipticity, log_scale_length)
+    derivatives = correlator.form_derivatives(ellipticity, log_scale_length)
     sums = correlator.normal_sums(form, derivatives)
     products, upper = sums[:4], sums[4:14]
     response = np.empty((4, 4))
@@ -246,22 +246,6 @@ def _evaluate(
         pull=flux * sums[14:16] - by_x * correlator.centre,
         position_information=flux**2 * curvature + by_x * np.eye(2),
     )
-
-
-def _form_derivatives(
-    correlator: Correlator, ellipticity: complex, log_scale_length: float
-) -> Float[Array, "3 3"]:
-    """d(form)/d(e1, e2, ln alpha); the form's coefficients are smooth in e, and a step of 1e-6 leaves 1e-9."""
-    step = 1e-6
-    rows = [
-        (
-            correlator.form(ellipticity + d, log_scale_length)
-            - correlator.form(ellipticity - d, log_scale_length)
-        )
-        / (2 * step)
-        for d in (step, 1j * step)
-    ]
-    return np.array([*rows, 2 * correlator.form(ellipticity, log_scale_length)])
 
 
 def _inside(ellipticity: complex, largest: float) -> complex:

@@ -8,7 +8,7 @@ import numpy as np
 from uvshear.fit import kernels
 from uvshear.fit.measurement import GalaxyFit
 from uvshear.galaxy import Profile
-from uvshear.geometry.ellipticity import quadratic_form
+from uvshear.geometry.ellipticity import quadratic_form_derivatives, quadratic_form_of
 from uvshear.typing import Array, Complex, Float
 
 PARAMETERS = 6
@@ -35,23 +35,19 @@ class Template:
 
         Those of a point source by e1, e2 and ln alpha are zero.
         """
-        u, v = self.uv.T
-        envelope, phase = self._envelope(fit), self._phase(fit)
-        flux = np.float32(fit.flux)
-        out = np.zeros((PARAMETERS, len(u)), np.complex64)
-        out[0] = envelope * phase
-        if fit.scale_length > 0:
-            q = _argument(self.uv, _form(fit.ellipticity, fit.scale_length))
-            slope = self.profile.envelope_slope(q) * flux
-            for row, form in enumerate(_form_derivatives(fit), start=1):
-                out[row] = slope * _argument(self.uv, form) * phase
-        turned = np.complex64(2j * math.pi * flux) * out[0]
-        out[4], out[5] = u * turned, v * turned
+        form = 4 * math.pi**2 * quadratic_form_of(fit.ellipticity, fit.scale_length)
+        q = _argument(self.uv, form)
+        out = np.zeros((PARAMETERS, len(q)), np.complex64)
+        slope = self.profile.envelope_slope(q) if fit.scale_length > 0 else np.zeros_like(q)
+        by_shape = 4 * math.pi**2 * quadratic_form_derivatives(fit.ellipticity, fit.scale_length)
+        kernels.respond(
+            self.uv, self._phase(fit), self.profile.envelope(q), slope, by_shape, fit.flux, out
+        )
         return out
 
     def _envelope(self, fit: GalaxyFit) -> Float[Array, " cell"]:
-        q = _argument(self.uv, _form(fit.ellipticity, fit.scale_length))
-        return self.profile.envelope(q)
+        form = 4 * math.pi**2 * quadratic_form_of(fit.ellipticity, fit.scale_length)
+        return self.profile.envelope(_argument(self.uv, form))
 
     def _phase(self, fit: GalaxyFit) -> Complex[Array, " cell"]:
         phase = np.empty(len(self.uv), np.complex64)
@@ -82,19 +78,7 @@ def difference(new: GalaxyFit, old: GalaxyFit) -> Float[Array, " 6"]:
     return np.array([new.flux - old.flux, e.real, e.imag, size, *(new.offset - old.offset)])
 
 
-def _form(e: complex, scale_length: float) -> Float[Array, " 3"]:
-    return np.array(quadratic_form(np.array([e]), np.array([scale_length])))[:, 0]
-
-
-def _form_derivatives(fit: GalaxyFit) -> list[Float[Array, " 3"]]:
-    """By e1, e2, ln alpha; smooth in e, and a step of 1e-6 leaves 1e-9."""
-    step = 1e-6
-    e, size = fit.ellipticity, fit.scale_length
-    by_e = [(_form(e + d, size) - _form(e - d, size)) / (2 * step) for d in (step, 1j * step)]
-    return [*by_e, 2 * _form(e, size)]
-
-
 def _argument(uv: Float[Array, "cell 2"], form: Float[Array, " 3"]) -> Float[Array, " cell"]:
     q = np.empty(len(uv), np.float32)
-    kernels.argument(uv, 4 * math.pi**2 * form, q)
+    kernels.argument(uv, form, q)
     return q

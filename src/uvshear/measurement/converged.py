@@ -67,6 +67,9 @@ another are told apart by little else."""
 PEAKS = 1
 """Visits after which every source looks for its peak from scratch."""
 
+COUPLED = 2
+"""Visits after which couplings are worked out."""
+
 
 @dataclass(frozen=True)
 class ConvergedExtraction(Extraction):
@@ -75,7 +78,7 @@ class ConvergedExtraction(Extraction):
     Parameters
     ----------
     tolerance
-        Change of a source, in units of the noise (the square root of <dm, dm>), that counts as none.
+        Change that counts as none, in units of the noise (the square root of <dm, dm>): rms over the sources.
     most_visits
         Of the visibilities with a sky to subtract; one more gathers the beams.
     scale_lengths
@@ -144,6 +147,7 @@ class _Run:
         field, method, options = self._field, self._method, self._options
         fits: Sequence[GalaxyFit] = self._expected
         beams: Beams | None = None
+        settlement: Settlement | None = None
         history: list[tuple[float, float]] = []
         rounds: list[list[tuple[float, float]]] = []
         while True:
@@ -155,7 +159,8 @@ class _Run:
             residuals = gather_residuals(
                 self._observation, plan, self._sky(fits), self._gridding, self._meter.add
             )
-            settlement = Settlement(self._sources, fits, plan, beams, residuals)
+            couplings = settlement.couplings if settlement and len(history) >= COUPLED else None
+            settlement = Settlement(self._sources, fits, plan, beams, residuals, couplings)
             rounds.append(
                 settlement.settle(
                     method.tolerance if history else max(method.tolerance, ROUGH),
@@ -167,7 +172,8 @@ class _Run:
             changes = settlement.changes()
             history.append((float(np.sqrt(np.mean(changes**2))), float(changes.max())))
             fits = settlement.fits
-            if _left_undone(history) < method.tolerance or len(history) >= method.most_visits:
+            left, most_left = _left_undone(history)
+            if left < method.tolerance or len(history) >= method.most_visits:
                 break
         measurements = self._measure_shapes(settlement)
         found = {
@@ -183,7 +189,8 @@ class _Run:
             "rounds": [[[round(x, 3) for x in pair] for pair in visit] for visit in rounds],
             "change_rms": [round(rms, 4) for rms, _ in history],
             "change_max": [round(largest, 4) for _, largest in history],
-            "left_undone": round(_left_undone(history), 4),
+            "left_undone": round(left, 4),
+            "left_undone_most": round(most_left, 4),
             "tolerance": method.tolerance,
         }
         used = self._baselines
@@ -320,10 +327,10 @@ _POSTERIOR = 12e6
 """Cost of a fit and of a posterior [nanoseconds]."""
 
 
-def _left_undone(history: list[tuple[float, float]]) -> float:
-    """Largest change that another visit would bring: changes shrink from visit to visit by about the same factor."""
-    largest = [maximum for _, maximum in history]
-    if len(largest) == 1:
-        return largest[0]
-    shrinkage = largest[-1] / largest[-2] if largest[-2] > 0 else 0.0
-    return largest[-1] * min(shrinkage, 1.0)
+def _left_undone(history: list[tuple[float, float]]) -> tuple[float, float]:
+    """Change that another visit would bring, rms and largest: they shrink from visit to visit by about one factor."""
+    if len(history) == 1:
+        return history[0]
+    (before, _), (rms, largest) = history[-2:]
+    shrinkage = min(rms / before, 1.0) if before > 0 else 0.0
+    return rms * shrinkage, largest * shrinkage

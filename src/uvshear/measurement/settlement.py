@@ -48,8 +48,9 @@ MOST_NEIGHBOURS = 8
 
 MOST_ROUNDS = 4
 
-RECOUPLED = (0, 1)
-"""Rounds in which couplings are worked out anew; in between they are scaled with the fluxes."""
+SETTLED = 0.1
+"""Rounds end when all together move by this part of what the first moved them: what sources do to one another between
+visits is known no better, and the next visit measures it."""
 
 Tick = Callable[[], None]
 
@@ -64,6 +65,7 @@ class Settlement:
         plan: VisitPlan,
         beams: Beams,
         residuals: Sequence[Complex[Array, " _"]],
+        couplings: Couplings | None = None,
     ) -> None:
         self._sources, self._plan, self._beams = sources, plan, beams
         self._residuals = residuals
@@ -83,7 +85,8 @@ class Settlement:
         self._is_grouped = np.zeros(len(sources), bool)
         self._is_grouped[[k for unit in self._units if len(unit) > 1 for k in unit]] = True
         self._equations: dict[int, NormalEquations] = {}
-        self._couplings: Couplings | None = None
+        self.couplings = couplings
+        """Those given are scaled with the fluxes; else they are worked out in the first round."""
 
     def settle(
         self, tolerance: float, threads: int, *, afresh: bool, tick: Tick
@@ -94,11 +97,16 @@ class Settlement:
         and together.
         """
         rounds: list[tuple[float, float]] = []
+        enough = 0.0
         active = np.ones(len(self._sources), bool)
         for number in range(MOST_ROUNDS):
             in_turn = self._sweep(active, threads, afresh=afresh and number == 0, tick=tick)
-            together = self._step(threads, tolerance, recoupled=number in RECOUPLED)
+            together = self._step(threads, tolerance)
             rounds.append((float(in_turn.max()), float(together.max())))
+            enough = enough or SETTLED * _rms(in_turn)
+            # Those that overlap are fitted together from the second round on.
+            if _rms(together) < enough and not (afresh and number == 0):
+                break
             restless = np.flatnonzero(np.maximum(in_turn, together) > tolerance)
             if len(restless) == 0:
                 break
@@ -149,15 +157,15 @@ class Settlement:
         plane = self._interaction.plane(int(self._beams.nearest[group[0]]))
         return fit_group(members, plane, [self.fits[source] for source in group])
 
-    def _step(self, threads: int, tolerance: float, *, recoupled: bool) -> Float[Array, " source"]:
+    def _step(self, threads: int, tolerance: float) -> Float[Array, " source"]:
         """One Gauss-Newton step of all sources but those in groups; return by how much of the noise each moved."""
         everyone = list(range(len(self._sources)))
         self._linearise(everyone, threads)
-        if recoupled or self._couplings is None:
-            self._couplings = self._couple(threads)
+        if self.couplings is None:
+            self.couplings = self._couple(threads)
         steps = joint_step(
             [self._equations[k] for k in everyone],
-            self._couplings,
+            self.couplings,
             np.array([fit.flux for fit in self.fits]),
             self._is_grouped | np.array([self._is_stuck(k) for k in everyone]),
         )
@@ -209,9 +217,9 @@ class Settlement:
         self, chosen: Int[Array, " chosen"]
     ) -> list[tuple[Float[Array, "6 6"], Float[Array, "6 6"]] | None]:
         """Covariance of sources' parameters, neighbours held and free; None for one that has none near."""
-        if self._couplings is None:
+        if self.couplings is None:
             return [None] * len(chosen)
-        block_of = BlockOf(self._couplings)
+        block_of = BlockOf(self.couplings)
         return [self._covariance(source, block_of) for source in chosen.tolist()]
 
     def _covariance(
@@ -291,3 +299,7 @@ class Settlement:
         one = self._sources[source]
         change = one.model(new, cutout.uv) - one.model(old, cutout.uv)
         return float(np.sqrt(max(float(np.sum(power * np.abs(change) ** 2)), 0.0)))
+
+
+def _rms(values: Float[Array, " _"]) -> float:
+    return float(np.sqrt(np.mean(values**2)))
