@@ -16,7 +16,7 @@ import pstats
 import time
 
 import ducc0
-from crowded import FREQUENCY, PHASE_CENTRE, simulate
+import survey
 
 import uvshear
 from uvshear.constants import ARCSEC
@@ -51,17 +51,14 @@ def main() -> None:
             )
 
 
-def field(side: float, integration: float):
-    values = argparse.Namespace(
-        seed=7, density=2.8, field_arcmin=side, integration_s=integration, threads=2
-    )
-    galaxies, observation, _ = simulate(values)
+def field(arcmin: float, integration: float):
+    galaxies, observation, _ = survey.simulate(arcmin, 2.8, integration, seed=7, threads=2)
     return galaxies, observation
 
 
 def measure(world, threads: int) -> tuple[float, float, int]:
     galaxies, observation = world
-    catalogue = catalogue_from_galaxies(galaxies, PHASE_CENTRE)
+    catalogue = catalogue_from_galaxies(galaxies, survey.PHASE_CENTRE)
     wall, cpu = time.perf_counter(), time.process_time()
     shapes = uvshear.measure(observation, catalogue, MeasurementOptions(threads=threads))
     visits = json.loads(shapes.meta["extract"])["visits"]
@@ -74,7 +71,7 @@ def against_gridder(threads: int) -> None:
     cpu = time.process_time()
     ducc0.wgridder.vis2dirty(
         uvw=chunk.uvw,
-        freq=FREQUENCY,
+        freq=survey.FREQUENCY,
         vis=chunk.stokes_i,
         wgt=chunk.weights,
         npix_x=2400,

@@ -14,31 +14,19 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 
 import numpy as np
+import survey
+from survey import FREQUENCY, PHASE_CENTRE
 
 import uvshear
-from uvshear.constants import MICROJANSKY
 from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
 from uvshear.extraction.exact import ExactFacets
-from uvshear.galaxy import (
-    DiscEllipticityPrior,
-    Exponential,
-    Galaxies,
-    PowerLawFlux,
-    SizeFluxRelation,
-)
-from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.coverage import Track, synthesise
-from uvshear.interferometer.layout import load_layout
+from uvshear.galaxy import Exponential, Galaxies
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.measurement import MeasurementOptions, PaperExtraction
 from uvshear.predict import predict_visibilities
 from uvshear.shear.slope import fit_slope
 from uvshear.simulation.field import DiscField
-from uvshear.simulation.population import Population, draw_population
-
-FREQUENCY = np.array([1.07e9])
-PHASE_CENTRE = PhaseCentre(0.3, math.radians(-30))
 
 
 def main() -> None:
@@ -86,20 +74,12 @@ def facet_method(arguments: argparse.Namespace):
 
 
 def draw(number: int, seed: int) -> Galaxies:
-    population = Population(
-        PowerLawFlux(minimum=10 * MICROJANSKY, maximum=200 * MICROJANSKY),
-        SizeFluxRelation(),
-        DiscEllipticityPrior(),
-    )
-    rng = np.random.default_rng(seed)
-    return draw_population(population, DiscField(math.radians(0.7)), number=number, rng=rng)
+    return survey.draw(DiscField(math.radians(0.7)), number, np.random.default_rng(seed))
 
 
 def measure_one(job: tuple) -> tuple[complex, float, float, float, float, str, float]:
     galaxy, snr, seed, arguments, options = job
-    ranges = ((-4 * 3600.0, 4 * 3600.0),)
-    track = Track.from_clock(PHASE_CENTRE, ranges, arguments.integration_s)
-    uvw = synthesise(load_layout("ska-mid-aa4"), track).uvw
+    uvw = survey.coverage(arguments.integration_s).uvw
     if arguments.without_w:
         uvw[:, 2] = 0
     vis = predict_visibilities(galaxy, uvw, FREQUENCY, Exponential())

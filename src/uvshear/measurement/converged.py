@@ -90,8 +90,8 @@ class ConvergedExtraction(Extraction):
         those that tell nothing of shapes (``measurement.baselines``), 0 for none.
     """
 
-    tolerance: float = 0.05
-    most_visits: int = 3
+    tolerance: float = 0.1
+    most_visits: int = 5
     scale_lengths: float = 45.0
     epsilon: float = 1e-4
     shortest: float | None = None
