@@ -30,6 +30,9 @@ SLAB = 2**21
 BYTES_PER_SAMPLE = 160
 """What a sample takes while it is worked on: itself, its model, its baseline seen from two tiles."""
 
+LEAST_BLOCK = 2**16
+"""Samples held in memory at a time however little there is."""
+
 Step = Callable[[float], None]
 """Hears how much work (samples times pixels of tiles, in any unit) is done."""
 
@@ -61,6 +64,11 @@ class ModelledSky:
     half_width: Float[Array, " source"]
     spectrum: SpectralExpansion
     profile: Profile
+
+
+def block_of(memory: float) -> int:
+    """Choose how many samples to hold where so much memory [bytes] may be used: a third is for them."""
+    return max(int(memory / 3 / BYTES_PER_SAMPLE), LEAST_BLOCK)
 
 
 def gather_residuals(

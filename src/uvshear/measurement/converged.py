@@ -23,9 +23,9 @@ from uvshear.concurrency import in_order
 from uvshear.extraction.beams import NANOSECONDS, SIZE, Beams, directions, gather_beams
 from uvshear.extraction.plan import VisitPlan, Wanted, plan_visit
 from uvshear.extraction.residual import (
-    BYTES_PER_SAMPLE,
     Gridding,
     ModelledSky,
+    block_of,
     gather_residuals,
     work_of,
 )
@@ -57,7 +57,7 @@ ASTROMETRY = 0.3
 """Standard deviation of the catalogue's positions over the median scale length, for the sky model and unless given:
 loose for a source that can be measured, tight enough to keep neighbours from changing places."""
 
-ERROR, FINEST = 0.3, 1e-5
+ERROR, FINEST = 0.1, 1e-5
 """Error of the gridder over the noise, for the brightest source; and the least in single precision."""
 
 PHOTOMETRY = 0.3
@@ -136,11 +136,10 @@ class _Run:
         ]
         self._sources: list[ModelledSource] = []
         self._baselines = Baselines.of(field, self._is_galaxy, method.shortest)
-        block = int(options.memory / 3 / BYTES_PER_SAMPLE)
         # What the gridder errs by shall be below the noise of the brightest source.
         snr = float(sky.flux.max()) * math.sqrt(extent.weight)
         epsilon = min(method.epsilon, max(ERROR / snr, FINEST))
-        self._gridding = Gridding(epsilon, max(block, 2**16), options.threads)
+        self._gridding = Gridding(epsilon, block_of(options.memory), options.threads)
         self._meter = Meter(progress)
 
     def measure(self) -> Extracted:

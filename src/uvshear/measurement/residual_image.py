@@ -1,14 +1,11 @@
 """The picture after a measurement: what is left of the field, with the sky that was found taken away."""
 
-from uvshear.extraction.residual import BYTES_PER_SAMPLE, Gridding
+from uvshear.extraction.residual import Gridding, block_of
 from uvshear.extraction.residual_image import DirtyAndResidual, residual_image
 from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.extraction import Extracted, Progress
 from uvshear.measurement.field import Field
 from uvshear.measurement.options import MeasurementOptions
-
-LEAST_BLOCK = 2**16
-"""Samples."""
 
 
 def image_residual(
@@ -28,13 +25,12 @@ def image_residual(
         if progress is not None:
             progress(round(done), field.extent.samples)
 
-    block = max(int(options.memory / 3 / BYTES_PER_SAMPLE), LEAST_BLOCK)
     return residual_image(
         observation,
         extracted.sky.select(field.modelled),
         options.profile,
         extent=field.extent,
         uv_range=field.uv_range,
-        gridding=Gridding(block=block, threads=options.threads),
+        gridding=Gridding(block=block_of(options.memory), threads=options.threads),
         step=step,
     )
