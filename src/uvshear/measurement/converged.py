@@ -21,6 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from uvshear.concurrency import in_order
 from uvshear.extraction.beams import NANOSECONDS, SIZE, Beams, directions, gather_beams
+from uvshear.extraction.facets import UvRange
 from uvshear.extraction.plan import VisitPlan, Wanted, plan_visit
 from uvshear.extraction.residual import (
     Gridding,
@@ -105,7 +106,8 @@ class ConvergedExtraction(Extraction):
     ) -> Extracted:
         """Measure every source of ``field.measured``, all others of ``field.modelled`` subtracted."""
         if len(field.modelled) == 0:
-            return Extracted({}, field.sky, {"extraction": "converged", "visits": 0})
+            record = {"extraction": "converged", "visits": 0}
+            return Extracted({}, field.sky, field.uv_range, record)
         # Threads of the linear algebra would fight those of the fits, and change the last bits.
         with threadpool_limits(1, user_api="blas"):
             return _Run(self, observation, field, options, progress).measure()
@@ -196,7 +198,8 @@ class _Run:
         if used.shortest > 0 or options.uv_range.maximum < math.inf:
             profile = options.profile
             measurements = with_natural_snr(measurements, self._observation, sky, profile)
-        return Extracted(measurements, sky, record)
+        uv_range = UvRange(used.shortest, field.uv_range.maximum)
+        return Extracted(measurements, sky, uv_range, record)
 
     def _describe(self) -> list[ModelledSource]:
         field, options = self._field, self._options

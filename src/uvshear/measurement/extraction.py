@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from uvshear.extraction.facets import UvRange
 from uvshear.fit.measurement import ShapeMeasurement
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.visibilities import Observation
@@ -27,12 +28,15 @@ class Extracted:
         By index of the catalogue; those of ``Field.measured``.
     sky
         All sources of the catalogue as they were found; those that are not in ``Field.modelled`` without flux.
+    uv_range
+        Baselines that took part [wavelengths].
     record
         How it went: numbers and words that JSON knows, written into the metadata of the shapes.
     """
 
     measurements: Mapping[int, ShapeMeasurement]
     sky: Galaxies
+    uv_range: UvRange
     record: Mapping[str, object]
 
 

@@ -81,6 +81,7 @@ class PaperExtraction(Extraction):
         return Extracted(
             measurements=quoted,
             sky=sweep.sky,
+            uv_range=field.uv_range,
             record={
                 "method": "paper",
                 "facet": type(self.facet).__name__,

@@ -16,7 +16,7 @@ def image_residual(
     *,
     progress: Progress | None = None,
 ) -> DirtyAndResidual:
-    """Visit the visibilities once more, for the dirty image and for what ``extracted.sky`` leaves of it."""
+    """Visit the baselines that took part once more, for the dirty image and for what ``extracted.sky`` leaves."""
     done = 0.0
 
     def step(samples: float) -> None:
@@ -30,7 +30,7 @@ def image_residual(
         extracted.sky.select(field.modelled),
         options.profile,
         extent=field.extent,
-        uv_range=field.uv_range,
+        uv_range=extracted.uv_range,
         gridding=Gridding(block=block_of(options.memory), threads=options.threads),
         step=step,
     )

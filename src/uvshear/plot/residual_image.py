@@ -46,7 +46,11 @@ def draw_residual_image(
     ticks = [tick for tick in _ticks(max(high, -low)) if low <= tick <= high]
     bar.set_ticks(list(ticks), labels=[f"{tick:g}".replace("-", "−") for tick in ticks])
     bar.minorticks_off()
-    figure.suptitle(f"{title}; thermal noise {noise:.3g} $\\mu$Jy/beam, natural weights")
+    shortest, longest = images.uv_range.minimum / 1e3, images.uv_range.maximum / 1e3
+    figure.suptitle(
+        f"{title}; thermal noise {noise:.3g} $\\mu$Jy/beam,"
+        f" natural weights of {shortest:.3g} to {longest:.3g} k$\\lambda$"
+    )
     return figure
 
 
