@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from uvshear.fit.measurement import FitFlag, GalaxyFit, ShapeMeasurement, inflated
 
 E = slice(1, 3)
+STAYS = np.zeros(6)
 
 
 def _matrix(seed, size=6):
@@ -38,7 +39,7 @@ seeds = st.integers(0, 9999)
 @given(seeds)
 def test_a_posterior_as_wide_as_its_fisher_matrix_becomes_that_of_free_neighbours(seed):
     alone, free = _matrix(seed), _matrix(seed + 1)
-    got = inflated(_shape(alone[E, E]), alone, free)
+    got = inflated(_shape(alone[E, E]), alone, free, STAYS)
     np.testing.assert_allclose(got.covariance, free[E, E], rtol=1e-6, atol=1e-9)
 
 
@@ -46,7 +47,7 @@ def test_a_posterior_as_wide_as_its_fisher_matrix_becomes_that_of_free_neighbour
 @given(seeds)
 def test_neighbours_that_add_nothing_change_nothing(seed):
     alone, posterior = _matrix(seed), _matrix(seed + 1, 2)
-    got = inflated(_shape(posterior), alone, alone)
+    got = inflated(_shape(posterior), alone, alone, STAYS)
     np.testing.assert_allclose(got.covariance, posterior, rtol=1e-7, atol=1e-10)
     assert got.flux_err == pytest.approx(0.1)
     assert got.scale_length_err == pytest.approx(0.2)
@@ -57,7 +58,7 @@ def test_neighbours_that_add_nothing_change_nothing(seed):
 @given(seeds, st.floats(1.0, 9.0))
 def test_every_error_grows_with_the_fisher_matrix(seed, factor):
     alone, posterior = _matrix(seed), _matrix(seed + 1, 2)
-    got = inflated(_shape(posterior), alone, factor * alone)
+    got = inflated(_shape(posterior), alone, factor * alone, STAYS)
     np.testing.assert_allclose(got.covariance, factor * posterior, rtol=1e-7, atol=1e-10)
     grown = math.sqrt(factor)
     assert got.flux_err == pytest.approx(0.1 * grown)
@@ -70,7 +71,7 @@ def test_every_error_grows_with_the_fisher_matrix(seed, factor):
 @given(seeds)
 def test_the_area_of_the_ellipse_grows_by_that_of_the_fisher_matrices(seed):
     alone, free, posterior = _matrix(seed), _matrix(seed + 1), _matrix(seed + 2, 2)
-    got = inflated(_shape(posterior), alone, free).covariance
+    got = inflated(_shape(posterior), alone, free, STAYS).covariance
     ratio = np.linalg.det(free[E, E]) / np.linalg.det(alone[E, E])
     np.testing.assert_allclose(got, got.T, rtol=1e-9, atol=1e-12)
     assert np.linalg.det(got) == pytest.approx(np.linalg.det(posterior) * ratio, rel=1e-6)
@@ -78,7 +79,7 @@ def test_the_area_of_the_ellipse_grows_by_that_of_the_fisher_matrices(seed):
 
 def test_each_error_grows_by_its_own_parameter():
     alone, free = np.eye(6), np.diag([4.0, 1.0, 1.0, 9.0, 16.0, 25.0])
-    got = inflated(_shape(np.eye(2)), alone, free)
+    got = inflated(_shape(np.eye(2)), alone, free, STAYS)
     assert got.flux_err == pytest.approx(0.2)
     assert got.scale_length_err == pytest.approx(0.6)
     np.testing.assert_allclose(got.offset_err, [1.2, 2.0])
@@ -86,7 +87,7 @@ def test_each_error_grows_by_its_own_parameter():
 
 def test_what_is_measured_stays():
     before = _shape(np.eye(2))
-    after = inflated(before, np.eye(6), 4 * np.eye(6))
+    after = inflated(before, np.eye(6), 4 * np.eye(6), STAYS)
     np.testing.assert_array_equal(after.ellipticity, before.ellipticity)
     assert (after.flux, after.scale_length, after.snr, after.flag) == (
         before.flux,
@@ -98,7 +99,7 @@ def test_what_is_measured_stays():
 
 def test_a_failure_stays_a_failure():
     failed = ShapeMeasurement.failed(FitFlag.NO_PEAK)
-    assert inflated(failed, np.eye(6), 2 * np.eye(6)) is failed
+    assert inflated(failed, np.eye(6), 2 * np.eye(6), STAYS) is failed
 
 
 @settings(deadline=None)
@@ -107,3 +108,16 @@ def test_beyond_its_half_width_a_disc_is_lost_in_the_noise(snr, e):
     fit = GalaxyFit(1.0, np.zeros(2), complex(0, e), 2.0, snr)
     # along the long axis the brightness falls as exp(-r (1 - |e|)/alpha): by more than 1/snr, by e at least
     assert math.exp(-fit.half_width * (1 - e) / 2.0) <= 1 / snr / math.e * (1 + 1e-9)
+
+
+def test_the_mean_follows_a_shift_as_far_as_the_posterior_is_the_likelihoods():
+    shift = np.array([9.0, 0.02, -0.01, 9.0, 9.0, 9.0])
+    before = _shape(0.01 * np.eye(2))
+    half = inflated(before, 0.02 * np.eye(6), 0.02 * np.eye(6), shift)
+    np.testing.assert_allclose(half.ellipticity - before.ellipticity, [0.01, -0.005])
+
+
+def test_a_shift_of_more_than_an_error_ends_there():
+    before = _shape(np.diag([0.04, 0.01]))
+    after = inflated(before, np.eye(6) / 25, np.eye(6) / 25, np.array([0, 30.0, 0, 0, 0, 0]))
+    np.testing.assert_allclose(after.ellipticity - before.ellipticity, [0.2, 0.0])

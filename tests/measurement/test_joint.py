@@ -22,7 +22,7 @@ from uvshear.measurement.joint import (
     BlockOf,
     Couplings,
     couple,
-    joint_covariance,
+    freedom,
     joint_step,
 )
 from uvshear.predict.spectrum import SpectralExpansion
@@ -66,7 +66,8 @@ def _parts(matrix, pairs, seed=2):
         dense[i, 0, :, 0] += far[i]
     first, second = np.array(pairs).T
     held = np.array([blocks[i, :, j, :] for i, j in pairs])
-    couplings = Couplings(first, second, held, sparse.csr_matrix(far), np.ones(sources))
+    shared = np.array([0.9 * blocks[k, :, k, :] for k in range(sources)])
+    couplings = Couplings(first, second, held, shared, sparse.csr_matrix(far), np.ones(sources))
     return equations, couplings, dense.reshape(matrix.shape)
 
 
@@ -130,34 +131,76 @@ def test_the_sparse_matrix_is_the_dense_one():
     np.testing.assert_allclose(got, expected, rtol=0, atol=1e-12)
 
 
+NO_PRIOR = (np.zeros(SIX), np.zeros(SIX))
+
+
+def _freedom(equations, couplings, source, others, sky_prior=NO_PRIOR):
+    block_of = BlockOf(couplings, np.ones(len(equations)))
+    return freedom(source, others, dict(enumerate(equations)), block_of, sky_prior)
+
+
 @pytest.mark.parametrize("source", [0, 3])
 def test_the_covariance_with_free_neighbours_is_that_of_the_inverse_of_the_whole_matrix(source):
     pairs = [(i, j) for i in range(4) for j in range(i + 1, 4)]
     matrix = _matrix(4)
     equations, couplings, _ = _parts(matrix, pairs)
     others = [k for k in (3, 1, 0, 2) if k != source]
-    held, free = joint_covariance(source, others, dict(enumerate(equations)), BlockOf(couplings))
+    got = _freedom(equations, couplings, source, others)
     rows = slice(SIX * source, SIX * (source + 1))
     expected = np.linalg.inv(matrix)[rows, rows]
     scale = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
-    np.testing.assert_allclose(free / scale, expected / scale, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(got.free / scale, expected / scale, rtol=0, atol=1e-8)
     alone = np.linalg.inv(equations[source].information)
-    np.testing.assert_allclose(held / scale, alone / scale, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(got.held / scale, alone / scale, rtol=0, atol=1e-8)
+    np.testing.assert_array_equal(got.shift, 0)
     # free neighbours take information away, never give any
-    assert np.linalg.eigvalsh((free - held) / scale).min() > -1e-9
-    assert np.diag(free / held).max() > 1.2
+    assert np.linalg.eigvalsh((got.free - got.held) / scale).min() > -1e-9
+    assert np.diag(got.free / got.held).max() > 1.2
+
+
+def test_a_source_takes_back_what_neighbours_had_while_its_prior_held_it():
+    """For a quadratic likelihood: without the prior, neighbours free, against neighbours where the sky has them."""
+    pairs = [(i, j) for i in range(3) for j in range(i + 1, 3)]
+    matrix = _matrix(3)
+    scale = np.sqrt(np.diag(matrix))
+    right = matrix @ (np.random.default_rng(4).normal(size=len(matrix)) / scale)
+    precision = 0.7 * np.diag(matrix)[:SIX]
+    sky = matrix + np.diag(np.concatenate([precision, np.zeros(2 * SIX)]))
+    settled = np.linalg.solve(sky, right)
+    without = np.linalg.solve(matrix, right)[:SIX]
+    own, others = matrix[:SIX, :SIX], matrix[:SIX, SIX:]
+    neighbours_held = np.linalg.solve(own, right[:SIX] - others @ settled[SIX:])
+
+    equations, _, _ = _parts(sky, pairs)
+    _, couplings, _ = _parts(matrix, pairs)
+    got = _freedom(equations, couplings, 0, [2, 1], (-precision * settled[:SIX], precision))
+    expected = (without - neighbours_held) * scale[:SIX]
+    assert np.abs(expected).max() > 0.1
+    np.testing.assert_allclose(got.shift * scale[:SIX], expected, rtol=0, atol=1e-6)
 
 
 def test_neighbours_that_are_not_coupled_change_nothing():
     equations, couplings, _ = _parts(_matrix(5), [(1, 2)])
-    held, free = joint_covariance(0, [3, 4], dict(enumerate(equations)), BlockOf(couplings))
-    scale = np.sqrt(np.outer(np.diag(held), np.diag(held)))
-    np.testing.assert_allclose(free / scale, held / scale, rtol=0, atol=1e-9)
+    got = _freedom(equations, couplings, 0, [3, 4])
+    scale = np.sqrt(np.outer(np.diag(got.held), np.diag(got.held)))
+    np.testing.assert_allclose(got.free / scale, got.held / scale, rtol=0, atol=1e-9)
+
+
+def test_an_own_block_below_that_of_the_shared_baselines_is_raised_to_it(coupled):
+    """Facets and the shared beam differ by a little: no eigenvalue below zero, no error out of hand."""
+    own = coupled.couplings.own[:2]
+    equations = {k: NormalEquations(np.zeros(SIX), 0.8 * own[k]) for k in range(2)}
+    block_of = BlockOf(coupled.couplings, coupled.couplings.flux)
+    got = freedom(0, [1], equations, block_of, NO_PRIOR)
+    whole = np.block([[own[0], block_of(0, 1)], [block_of(1, 0), own[1]]])
+    expected = np.linalg.inv(whole)[:SIX, :SIX]
+    np.testing.assert_allclose(np.diag(got.free), np.diag(expected), rtol=1e-2)
+    assert np.linalg.eigvalsh(whole / np.sqrt(np.outer(*2 * [np.diag(whole)]))).min() > 1e-3
 
 
 def test_a_block_is_found_from_either_side():
     _, couplings, _ = _parts(_matrix(5), PAIRS)
-    block_of = BlockOf(couplings)
+    block_of = BlockOf(couplings, np.ones(5))
     np.testing.assert_array_equal(block_of(1, 2), couplings.blocks[2])
     np.testing.assert_array_equal(block_of(2, 1), couplings.blocks[2].T)
     assert block_of(0, 2) is None

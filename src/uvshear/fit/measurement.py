@@ -103,22 +103,29 @@ class ShapeMeasurement:
 
 
 def inflated(
-    shape: ShapeMeasurement, alone: Float[Array, "6 6"], free: Float[Array, "6 6"]
+    shape: ShapeMeasurement,
+    held: Float[Array, "6 6"],
+    free: Float[Array, "6 6"],
+    shift: Float[Array, " 6"],
 ) -> ShapeMeasurement:
-    """Widen the errors by what free neighbours add.
+    """Widen the errors by what free neighbours add, and move e by ``shift`` as far as the posterior follows.
 
-    ``alone`` and ``free`` are Fisher covariances of (flux, e1, e2, ln alpha, l, m) with the neighbours fixed and free.
-    With alone = L L^T and C = K K^T the posterior's covariance of e, it becomes K L^-1 free L^-T K^T: the posterior
-    keeps its own shape.
+    ``held`` and ``free`` are Fisher covariances of (flux, e1, e2, ln alpha, l, m) with the neighbours fixed and free.
+    With held = L L^T and C = K K^T the posterior's covariance of e, it becomes K L^-1 free L^-T K^T: the posterior
+    keeps its own shape. The mean of a posterior of covariance C moves by C held^-1 times what the likelihood moves, no
+    farther than its error: beyond that a Fisher matrix says nothing.
     """
     if not np.all(np.isfinite(shape.covariance)):
         return shape
     e = slice(1, 3)
     own = np.linalg.cholesky(shape.covariance + 1e-30 * np.eye(2))
-    matrix = own @ np.linalg.inv(np.linalg.cholesky(alone[e, e]))
-    ratio = np.sqrt(np.diag(free) / np.diag(alone))
+    matrix = own @ np.linalg.inv(np.linalg.cholesky(held[e, e]))
+    ratio = np.sqrt(np.diag(free) / np.diag(held))
+    moved = shape.covariance @ np.linalg.inv(held[e, e]) @ shift[e]
+    errors = math.sqrt(float(moved @ np.linalg.pinv(shape.covariance) @ moved))
     return replace(
         shape,
+        ellipticity=shape.ellipticity + moved / max(errors, 1.0),
         covariance=matrix @ free[e, e] @ matrix.T,
         flux_err=shape.flux_err * float(ratio[0]),
         scale_length_err=shape.scale_length_err * float(ratio[3]),

@@ -1,7 +1,7 @@
 """What is known of a galaxy before its fit."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -41,6 +41,12 @@ class ShapePrior:
     position_sigma: float = math.inf
     flux: float = 0.0
     flux_sigma: float = math.inf
+
+    @property
+    def measured(self) -> "ShapePrior":
+        """The prior of a measurement, without what the sky model alone has."""
+        free = math.inf
+        return replace(self, ellipticity_sigma=free, position_sigma=free, flux_sigma=free)
 
     def penalty(self, fit: GalaxyFit) -> float:
         """Minus twice the log density of a sky model's source, but for a constant."""

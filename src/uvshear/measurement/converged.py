@@ -277,13 +277,7 @@ class _Run:
         def sample(k: int) -> ShapeMeasurement:
             source, fit = self._sources[k], settlement.fits[k]
             start = fit if fit.snr > 0 else None
-            prior = replace(
-                source.prior,
-                ellipticity_sigma=math.inf,
-                position_sigma=math.inf,
-                flux_sigma=math.inf,
-            )
-            shape = measure_shape(settlement.facet(k), prior, profile, start)
+            shape = measure_shape(settlement.facet(k), source.prior.measured, profile, start)
             if shape.flag is FitFlag.OK:
                 size = math.exp(source.prior.log_scale_length)
                 left = residual_significance(settlement.residual(k), profile, size)
@@ -292,13 +286,15 @@ class _Run:
             return shape
 
         chosen = np.flatnonzero(self._is_galaxy)
-        covariances = settlement.covariances(chosen)
+        freedoms = settlement.freedoms(chosen)
         galaxies = chosen.tolist()
         measurements = {}
         shapes = in_order(sample, galaxies, self._options.threads)
-        for k, alone, pair in zip(galaxies, shapes, covariances, strict=True):
+        for k, alone, neighbours in zip(galaxies, shapes, freedoms, strict=True):
             self._meter.add(_POSTERIOR)
-            shape = alone if pair is None else inflated(alone, *pair)
+            shape = alone
+            if neighbours is not None:
+                shape = inflated(alone, neighbours.held, neighbours.free, neighbours.shift)
             ratio = float(self._common[k])
             best = None if shape.best is None else self._in_catalogue_flux(k, shape.best)
             measurements[int(self._members[k])] = replace(

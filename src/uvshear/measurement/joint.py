@@ -34,20 +34,33 @@ HELD = 1e9
 
 @dataclass(frozen=True)
 class Couplings:
-    """Fisher matrix between sources: blocks of those near one another, each pair once (i < j), and far fluxes."""
+    """Fisher matrix between sources: blocks of those near one another, each pair once (i < j), and far fluxes.
+
+    ``own`` are the sources' own blocks of the same baselines: with them the matrix is positive.
+    """
 
     first: Int[Array, " pair"]
     second: Int[Array, " pair"]
     blocks: Float[Array, "pair 6 6"]
+    own: Float[Array, "source 6 6"]
     far: sparse.csr_matrix
     flux: Float[Array, " source"]
 
     def at_flux(self, flux: Float[Array, " source"]) -> Float[Array, "pair 6 6"]:
         """Blocks for other fluxes than those they were worked out for: all responses but the first grow with them."""
+        ratio = self._grown(flux)
+        return self.blocks * (ratio[self.first][:, :, None] * ratio[self.second][:, None, :])
+
+    def own_at_flux(self, flux: Float[Array, " source"]) -> Float[Array, "source 6 6"]:
+        """Own blocks for other fluxes."""
+        ratio = self._grown(flux)
+        return self.own * (ratio[:, :, None] * ratio[:, None, :])
+
+    def _grown(self, flux: Float[Array, " source"]) -> Float[Array, "source 6"]:
         ratio = np.ones((len(flux), PARAMETERS))
         is_there = (self.flux > 0) & (flux > 0)
         ratio[is_there, 1:] = (flux[is_there] / self.flux[is_there])[:, None]
-        return self.blocks * (ratio[self.first][:, :, None] * ratio[self.second][:, None, :])
+        return ratio
 
     def blocks_with_diagonal(
         self,
@@ -97,10 +110,12 @@ def couple(
         interaction.short_plane(node)
     first, second = [np.zeros(0, int)], [np.zeros(0, int)]
     values = [np.zeros((0, PARAMETERS, PARAMETERS))]
+    own = np.zeros((len(place), PARAMETERS, PARAMETERS))
     for members, blocks in in_order(work, _boxes(place, reach), threads):
         index = np.array(members)
         apart = place[index][None, :] - place[index[: len(blocks)]][:, None]
         a, b = np.nonzero(np.hypot(apart[..., 0], apart[..., 1]) <= reach)
+        own[index[: len(blocks)]] = np.einsum("iaib->iab", blocks[:, :, : len(blocks)])
         kept = b > a
         a, b = a[kept], b[kept]
         swapped = index[a] > index[b]
@@ -110,7 +125,8 @@ def couple(
         values.append(np.where(swapped[:, None, None], block.swapaxes(1, 2), block))
     blocks = np.concatenate(values)
     flux = np.array([fit.flux for fit in fits])
-    return Couplings(np.concatenate(first), np.concatenate(second), blocks, interaction.far, flux)
+    pairs = np.concatenate(first), np.concatenate(second)
+    return Couplings(*pairs, blocks, own, interaction.far, flux)
 
 
 def _boxes(place: Float[Array, "source 2"], side: float) -> Iterator[tuple[list[int], list[int]]]:
@@ -155,41 +171,82 @@ def joint_step(
     return solution.reshape(-1, PARAMETERS) / scale
 
 
-def joint_covariance(
+@dataclass(frozen=True)
+class Freedom:
+    """What free neighbours mean for a source, by the Fisher matrix of its parameters.
+
+    Parameters
+    ----------
+    held, free
+        Covariance of the parameters with the neighbours held where they are, and with them free.
+    shift
+        What the parameters move by when neighbours follow, from where they are with neighbours held.
+    """
+
+    held: Float[Array, "6 6"]
+    free: Float[Array, "6 6"]
+    shift: Float[Array, " 6"]
+
+
+def freedom(
     source: int,
     others: Sequence[int],
     equations: Mapping[int, NormalEquations],
     couplings_: "BlockOf",
-) -> tuple[Float[Array, "6 6"], Float[Array, "6 6"]]:
-    """Covariance of a source's parameters with its neighbours held, and with them free."""
+    sky_prior: tuple[Float[Array, " 6"], Float[Array, " 6"]],
+) -> Freedom:
+    """Tell what a source's neighbours add to its errors.
+
+    ``sky_prior`` is the gradient and the precision of the prior that the source has in the sky but not in its
+    measurement. Where the sky has settled the gradient of the likelihood is the opposite of that of the prior:
+    without the prior the source moves by its covariance times that, farther if its neighbours may follow. What a
+    source was held back by, its neighbours had taken.
+    """
     group = [source, *others]
     count = len(group)
+    pull, precision = sky_prior
+    own = equations[source].information - np.diag(precision)
     matrix = np.zeros((count, PARAMETERS, count, PARAMETERS))
     for a, i in enumerate(group):
-        matrix[a, :, a, :] = equations[i].information
+        shared = couplings_(i, i)
+        # What a source's own facet tells beyond the baselines that it shares with others.
+        beyond = (own if i == source else equations[i].information) - shared
+        matrix[a, :, a, :] = shared + _positive_part(beyond)
         for b, j in enumerate(group[:a]):
             block = couplings_(i, j)
             if block is not None:
                 matrix[a, :, b, :] = block
                 matrix[b, :, a, :] = block.T
-    flat = matrix.reshape(count * PARAMETERS, -1)
-    scale = np.sqrt(np.maximum(np.diag(flat), 1e-300))
-    values, vectors = np.linalg.eigh(flat / np.outer(scale, scale))
-    # Approximate blocks may leave an eigenvalue of overlapping sources below zero.
-    inverse = (vectors / np.maximum(values, 1e-4)) @ vectors.T / np.outer(scale, scale)
-    return np.linalg.inv(equations[source].information), inverse[:PARAMETERS, :PARAMETERS]
+    held = _inverse(matrix[0, :, 0, :])
+    free = _inverse(matrix.reshape(count * PARAMETERS, -1))[:PARAMETERS, :PARAMETERS]
+    return Freedom(held, free, (held - free) @ pull)
+
+
+def _positive_part(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
+    scale = np.sqrt(np.maximum(np.abs(np.diag(matrix)), 1e-300))
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    return (vectors * np.maximum(values, 0)) @ vectors.T * np.outer(scale, scale)
+
+
+def _inverse(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
+    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+    # Rounding may leave an eigenvalue of sources at one place below zero.
+    return (vectors / np.maximum(values, 1e-6)) @ vectors.T / np.outer(scale, scale)
 
 
 class BlockOf:
-    """Blocks by their sources."""
+    """Blocks by their sources, for their present fluxes."""
 
-    def __init__(self, couplings_: Couplings) -> None:
-        self._blocks = couplings_.blocks
+    def __init__(self, couplings_: Couplings, flux: Float[Array, " source"]) -> None:
+        self._blocks, self._own = couplings_.at_flux(flux), couplings_.own_at_flux(flux)
         pairs = zip(couplings_.first.tolist(), couplings_.second.tolist(), strict=True)
         self._place = {pair: k for k, pair in enumerate(pairs)}
 
     def __call__(self, i: int, j: int) -> Float[Array, "6 6"] | None:
         """Block of rows of i and columns of j; None where they are not coupled."""
+        if i == j:
+            return self._own[i]
         if (k := self._place.get((i, j))) is not None:
             return self._blocks[k]
         if (k := self._place.get((j, i))) is not None:

@@ -29,8 +29,9 @@ from uvshear.measurement.groups import overlapping_groups
 from uvshear.measurement.joint import (
     BlockOf,
     Couplings,
+    Freedom,
     couple,
-    joint_covariance,
+    freedom,
     joint_step,
 )
 from uvshear.measurement.source import ModelledSource
@@ -213,25 +214,24 @@ class Settlement:
             moved[unit] = self._unit_distance(unit, self._reference)
         return moved
 
-    def covariances(
-        self, chosen: Int[Array, " chosen"]
-    ) -> list[tuple[Float[Array, "6 6"], Float[Array, "6 6"]] | None]:
-        """Covariance of sources' parameters, neighbours held and free; None for one that has none near."""
+    def freedoms(self, chosen: Int[Array, " chosen"]) -> list[Freedom | None]:
+        """Tell what free neighbours mean for sources; None for one that has none near."""
         if self.couplings is None:
             return [None] * len(chosen)
-        block_of = BlockOf(self.couplings)
-        return [self._covariance(source, block_of) for source in chosen.tolist()]
+        block_of = BlockOf(self.couplings, np.array([fit.flux for fit in self.fits]))
+        return [self._freedom(source, block_of) for source in chosen.tolist()]
 
-    def _covariance(
-        self, source: int, block_of: BlockOf
-    ) -> tuple[Float[Array, "6 6"], Float[Array, "6 6"]] | None:
+    def _freedom(self, source: int, block_of: BlockOf) -> Freedom | None:
         near = self._tree.query_ball_point(self._place[source], NEAR)
         others = [other for other in near if other != source and self.fits[other].snr > 0]
         if not others or self.fits[source].snr <= 0:
             return None
         apart = np.hypot(*(self._place[others] - self._place[source]).T)
         nearest = [others[k] for k in np.argsort(apart, kind="stable")[:MOST_NEIGHBOURS]]
-        return joint_covariance(source, nearest, self._equations, block_of)
+        prior, fit = self._sources[source].prior, self.fits[source]
+        (pull, precision), (own_pull, own_precision) = prior.pull(fit), prior.measured.pull(fit)
+        sky_prior = pull - own_pull, precision - own_precision
+        return freedom(source, nearest, self._equations, block_of, sky_prior)
 
     def _change(
         self, members: list[int], after: list[GalaxyFit], threads: int
