@@ -1,6 +1,6 @@
 """What the extraction costs, on SKA-Mid AA4 over 8 h: growth with rows and with sources, and a profile.
 
-    python benchmarks/extraction_cost.py --grid
+    python benchmarks/extraction_cost.py --grid docs/pictures/cost.png
     python benchmarks/extraction_cost.py --against-gridder
     python benchmarks/extraction_cost.py --profile
 
@@ -14,20 +14,23 @@ import json
 import math
 import pstats
 import time
+from pathlib import Path
 
 import ducc0
 import survey
+from astropy.table import Table
 
 import uvshear
 from uvshear.constants import ARCSEC
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.measurement import MeasurementOptions
+from uvshear.plot.figure import BLUE, GREY, ORANGE, new_figure, save
 
 
 def main() -> None:
     """Run what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--grid", action="store_true")
+    parser.add_argument("--grid", type=Path, metavar="PICTURE")
     parser.add_argument("--against-gridder", action="store_true")
     parser.add_argument("--profile", action="store_true")
     parser.add_argument("--threads", type=int, default=2)
@@ -38,17 +41,44 @@ def main() -> None:
     if arguments.profile:
         profile()
     if arguments.grid:
-        print("rows      sources  wall [s]  CPU [s]  visits")
-        for side, integration in (
-            *((6.0, seconds) for seconds in (1800.0, 600.0, 200.0, 60.0)),
-            *((arcmin, 900.0) for arcmin in (3.0, 6.0, 12.0, 24.0)),
+        draw_growth(growth(arguments.threads), arguments.grid)
+
+
+def growth(threads: int) -> Table:
+    """Cost for more and more rows, then for more and more sources."""
+    rows = []
+    print("series   rows      sources  wall [s]  CPU [s]  visits")
+    for series, arcmin, integration in (
+        *(("rows", 6.0, seconds) for seconds in (1800.0, 600.0, 200.0, 60.0)),
+        *(("sources", arcmin, 900.0) for arcmin in (3.0, 6.0, 12.0, 24.0)),
+    ):
+        world = field(arcmin, integration)
+        wall, cpu, visits = measure(world, threads)
+        number = sum(map(len, world[1].blocks))
+        rows.append((series, number, len(world[0]), wall, cpu, visits))
+        print(
+            f"{series:8s} {number:8d}  {len(world[0]):7d}  {wall:8.1f}  {cpu:7.1f}  {visits:6d}",
+            flush=True,
+        )
+    return Table(rows=rows, names=("series", "rows", "sources", "wall", "cpu", "visits"))
+
+
+def draw_growth(table: Table, picture: Path) -> None:
+    figure, axes = new_figure(2, 9.5, 4.2)
+    for ax, series in zip(axes, ("rows", "sources"), strict=True):
+        part = table[table["series"] == series]
+        other = "sources" if series == "rows" else "rows"
+        for name, colour, marker, label in (
+            ("cpu", BLUE, "o", "CPU time"),
+            ("wall", ORANGE, "s", "wall time, two cores"),
         ):
-            world = field(side, integration)
-            wall, cpu, visits = measure(world, arguments.threads)
-            rows = sum(map(len, world[1].blocks))
-            print(
-                f"{rows:8d}  {len(world[0]):7d}  {wall:8.1f}  {cpu:7.1f}  {visits:6d}", flush=True
-            )
+            ax.loglog(part[series], part[name], marker + "-", color=colour, label=label)
+        slope = part["cpu"][-1] / part[series][-1]
+        ax.loglog(part[series], slope * part[series], ":", color=GREY, label="proportional")
+        ax.set(xlabel=f"number of {series}", ylabel="time [s]")
+        ax.set_title(f"{part[other][0]} {other}", fontsize="medium")
+        ax.legend(frameon=False)
+    save(figure, picture, overwrite=True)
 
 
 def field(arcmin: float, integration: float):

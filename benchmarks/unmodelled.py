@@ -70,9 +70,11 @@ def main() -> None:
     faint = place(0.4 * ARCMIN, 0.3 * ARCMIN, STAR / 1000)
     seen = add(observation, faint)
     tell("an unknown point of 50 uJy", galaxies, right, measure(seen, whole), spot(faint))
-    outside = place(30 * ARCMIN, 10 * ARCMIN, STAR)
-    seen = add(observation, outside)
-    tell("an unknown star of 50 mJy 32' off", galaxies, right, measure(seen, whole), spot(outside))
+    for flux, name in ((STAR / 100, "0.5"), (STAR, "50")):
+        outside = place(30 * ARCMIN, 10 * ARCMIN, flux)
+        seen = add(observation, outside)
+        shapes = measure(seen, whole)
+        tell(f"an unknown star of {name} mJy 32' off", galaxies, right, shapes, spot(outside))
 
 
 def measure(observation: VisibilitySet, catalogue: Catalogue) -> Table:
@@ -115,22 +117,27 @@ def tell(name: str, galaxies: Galaxies, right: Table, table: Table, wrong: np.nd
     """Print a line; the first rows of ``table`` are the galaxies."""
     shapes = table[: len(galaxies)]
     both = (np.array(shapes["flag"]) == "ok") & (np.array(right["flag"]) == "ok")
+    parts = (("e1", galaxies.ellipticity.real), ("e2", galaxies.ellipticity.imag))
     change = np.stack([(shapes[e] - right[e]) / right[f"{e}_err"] for e in ("e1", "e2")])
     place_ = np.column_stack([galaxies.l, galaxies.m])
     near = np.zeros(len(galaxies), bool)
     for one in wrong:
         near |= np.hypot(*(place_ - one).T) < NEAR
-    slopes = [
-        fit_slope(part[both], np.array(shapes[e])[both], np.array(shapes[f"{e}_err"])[both]).value
-        for e, part in (("e1", galaxies.ellipticity.real), ("e2", galaxies.ellipticity.imag))
-    ]
+    slopes = [slope(part[both], shapes[both], e) for e, part in parts]
     beside = f"{rms(change[:, both & near]):.2f}" if (both & near).any() else "-"
+    everywhere = f"{rms(change[:, both]):.3f}" if both.any() else "-    "
     flags = Counter(map(str, table["flag"]))
     words = ", ".join(f"{n} {flag}" for flag, n in flags.items())
     print(
-        f"{name:36s}  {rms(change[:, both]):.3f}   {beside:5s}   {slopes[0]:.3f} {slopes[1]:.3f}    {words}",
+        f"{name:36s}  {everywhere}   {beside:5s}   {' '.join(slopes)}    {words}",
         flush=True,
     )
+
+
+def slope(true: np.ndarray, shapes: Table, e: str) -> str:
+    if len(true) < 2:
+        return "-    "
+    return f"{fit_slope(true, np.array(shapes[e]), np.array(shapes[f'{e}_err'])).value:.3f}"
 
 
 def rms(values: np.ndarray) -> float:

@@ -43,7 +43,12 @@ def draw_residual_image(
         rms = root_mean_square(image) / MICROJANSKY
         ax.set_title(f"{name}\nrms {rms:.3g} $\\mu$Jy/beam", fontsize="medium")
     bar = figure.colorbar(shown, ax=axes, label=r"$\mu$Jy/beam (asinh scale)", pad=0.01)
-    ticks = [tick for tick in _ticks(max(high, -low)) if low <= tick <= high]
+    # Below the noise the scale is linear, and ticks would run into one another.
+    ticks = [
+        tick
+        for tick in _ticks(max(high, -low))
+        if low <= tick <= high and (tick == 0 or abs(tick) > noise / 2)
+    ]
     bar.set_ticks(list(ticks), labels=[f"{tick:g}".replace("-", "−") for tick in ticks])
     bar.minorticks_off()
     shortest, longest = images.uv_range.minimum / 1e3, images.uv_range.maximum / 1e3
