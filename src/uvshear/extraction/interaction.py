@@ -2,9 +2,9 @@
 
 The change of every model since the last visit, convolved with the beam, is kept as an image on pixels twice as
 wide as the finest: a galaxy is hardly seen on the baselines that are lost, less so in the product of two. The image
-ends smoothly ``END`` pixels from a source that has changed. Farther away, what is left of the beam is the plateau of
-the short baselines, flat over a facet: it couples fluxes. Both parts together are the beam, so that the common
-likelihood has a maximum: a beam cut off would not be positive. The next visit is exact everywhere.
+ends smoothly ``END`` pixels from a source that has changed. Farther away, if all baselines take part, what is left of
+the beam is the plateau of the short ones, flat over a facet: it couples fluxes. Both parts together are the beam, so
+that the common likelihood has a maximum: a beam cut off would not be positive. The next visit is exact everywhere.
 """
 
 from dataclasses import dataclass

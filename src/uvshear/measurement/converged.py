@@ -1,13 +1,13 @@
 """All sources of a field together: visits of the visibilities, and in between everything that images can settle.
 
 1. Visit: subtract all models from the visibilities, gather what is left as one facet a source
-   (``extraction.residual``); the first time, the beams too (``extraction.beams``).
-2. Settle: fit the sources in turn until none moves any more (``measurement.settlement``).
+   (``extraction.residual``); the first time, the beams too (``extraction.beams``), and without the longest baselines.
+2. Settle: fit the sources in turn and together until little moves any more (``measurement.settlement``).
 3. Again, until what settling leaves undone is a small part of the noise.
-4. Sample the posterior of every galaxy.
+4. Sample the posterior of every galaxy, and add what its neighbours, free, would change (``measurement.joint``).
 
 What settling leaves undone: the beam is that of the nearest of a few directions, and the interaction of two sources
-ends at some distance and some baseline length. Such errors are a per cent or so of what changed since the visit, and
+ends at some distance and some baseline length. Such errors are a tenth to a fifth of what changed since the visit, and
 the next visit measures them: its residual is exact.
 """
 
