@@ -1,4 +1,4 @@
-"""Slopes against the density of galaxies, and how much of the scatter neighbours add: draws the table of crowded.py.
+"""Slopes and scatter against the density of galaxies, over those of the same galaxies alone: the table of crowded.py.
 
 python benchmarks/density_figure.py density.ecsv docs/pictures/density.png
 """
@@ -11,45 +11,39 @@ from astropy.table import Table
 
 from uvshear.plot.figure import BLUE, GREY, ORANGE, new_figure, save
 
-STYLES = {"alone": (GREY, "D", -0.06), "converged": (BLUE, "o", 0.0), "paper": (ORANGE, "s", 0.06)}
-LABELS = {"alone": "alone in the field", "converged": "converged", "paper": "as Rivi & Miller 2018"}
+STYLES = {"converged": (BLUE, "o", 0.0), "paper": (ORANGE, "s", 0.06)}
+LABELS = {"converged": "converged", "paper": "as Rivi & Miller 2018"}
 
 
 def main() -> None:
-    """Draw three panels: slopes of e1 and of e2, and scatter over that of the isolated fit."""
+    """Draw three panels: slopes of e1 and of e2, and scatter, each over that of the isolated fit."""
     source, picture = map(Path, sys.argv[1:])
     table = Table.read(source)
     figure, axes = new_figure(3, 12.5, 4.2)
-    for ax, name in zip(axes, ("slope_e1", "slope_e2", "scatter"), strict=False):
+    words = ("slope of $e_1$", "slope of $e_2$", "scatter of $e$")
+    for ax, name, what in zip(axes, ("slope_e1", "slope_e2", "scatter"), words, strict=True):
         for which, (colour, marker, aside) in STYLES.items():
-            for flux, filled in (("all", True), ("> 25 uJy", False)):
-                rows = table[(table["which"] == which) & (table["flux"] == flux)]
-                if name == "scatter" and which == "alone":
-                    continue
-                rows = unique(rows)
-                if len(rows) == 0:
-                    continue
-                value = np.array(rows[name])
-                error = np.array(rows[f"{name}_err"]) if name != "scatter" else None
-                if name == "scatter":
-                    value = value / np.array([alone(table, row) for row in rows])
+            for flux, is_filled in (("all", True), ("> 25 uJy", False)):
+                rows = unique(table[(table["which"] == which) & (table["flux"] == flux)])
+                beside = np.array([alone(table, row)[name] for row in rows])
+                error = None if name == "scatter" else np.array(rows[f"{name}_err"]) / beside
                 ax.errorbar(
                     np.array(rows["density"]) + aside,
-                    value,
+                    np.array(rows[name]) / beside,
                     error,
                     fmt=marker + "-",
                     color=colour,
-                    mfc=colour if filled else "white",
+                    mfc=colour if is_filled else "white",
                     lw=0.8,
                     capsize=2,
-                    label=f"{LABELS[which]}, {'all' if filled else 'above 25 µJy'}",
+                    label=f"{LABELS[which]}, {'all' if is_filled else 'above 25 µJy'}",
                 )
-        ax.set(xlabel="galaxies per square arcminute")
-    axes[0].set(ylabel="slope of measured on true $e_1$")
-    axes[1].set(ylabel="slope of measured on true $e_2$")
-    axes[2].set(ylabel="scatter of $e$ over that alone in the field")
-    axes[2].axhline(1, color=GREY, lw=0.8)
-    axes[0].legend(frameon=False, fontsize=7.5)
+        ax.axhline(1, color=GREY, lw=0.8)
+        ax.set(
+            xlabel="galaxies per square arcminute", ylabel=f"{what} over that alone in the field"
+        )
+    axes[0].sharey(axes[1])
+    axes[0].legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.55, 0.84))
     save(figure, picture, overwrite=True)
 
 
@@ -59,11 +53,10 @@ def unique(rows: Table) -> Table:
     return rows[np.argsort(rows["density"])]
 
 
-def alone(table: Table, row) -> float:
-    """Scatter of the isolated fits that stand beside a row."""
+def alone(table: Table, row) -> Table:
+    """Row of the isolated fits of the same galaxies."""
     same = (table["density"] == row["density"]) & (table["flux"] == row["flux"])
-    beside = table[same & (table["which"] == "alone") & (table["n"] == row["n"])]
-    return float(beside["scatter"][-1])
+    return table[same & (table["which"] == "alone") & (table["n"] == row["n"])][-1]
 
 
 if __name__ == "__main__":
