@@ -43,7 +43,7 @@ def main() -> None:
             xlabel="galaxies per square arcminute", ylabel=f"{what} over that alone in the field"
         )
     axes[0].sharey(axes[1])
-    axes[0].legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.55, 0.84))
+    axes[0].legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.55, 0.78))
     save(figure, picture, overwrite=True)
 
 
