@@ -152,8 +152,9 @@ class _Run:
         history: list[tuple[float, float]] = []
         rounds: list[list[tuple[float, float]]] = []
         while True:
-            plan = self._plan(fits, is_first=beams is None)
-            self._foresee(plan, is_first=beams is None)
+            is_first = beams is None
+            plan = self._plan(fits, is_first=is_first and method.most_visits > 1)
+            self._foresee(plan, is_first=is_first)
             if beams is None:
                 beams = self._gather_beams(plan)
                 self._sources = self._describe()
@@ -174,7 +175,8 @@ class _Run:
             history.append((float(np.sqrt(np.mean(changes**2))), float(changes.max())))
             fits = settlement.fits
             left, most_left = _left_undone(history)
-            if left < method.tolerance or len(history) >= method.most_visits:
+            # A visit without the longest baselines is never the last.
+            if plan.top == 0 and (left < method.tolerance or len(history) >= method.most_visits):
                 break
         measurements = self._measure_shapes(settlement)
         found = {
