@@ -12,7 +12,7 @@ from uvshear.extraction import residual
 from uvshear.galaxy import CatalogueSize
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.measurement import ConvergedExtraction, MeasurementOptions
+from uvshear.measurement import ConvergedExtraction, MeasurementOptions, converged
 from uvshear.pipeline import measure
 from uvshear.predict import predict_visibilities
 
@@ -162,3 +162,23 @@ def test_overlapping_galaxies_are_fitted_together_with_wider_errors(array):
     assert _flags(table) == ["ok", "ok"]
     assert np.max(_pulls(table, pair)) < 4
     assert table["e1_err"][0] > 1.05 * alone["e1_err"][0]
+
+
+@pytest.mark.parametrize("most_visits", [1, 5])
+def test_the_last_visit_takes_the_longest_baselines(array, monkeypatch, most_visits):
+    """The first of several leaves them out; the field is wide enough for two bands of baselines."""
+    sky = galaxies(
+        l=np.array([-25.0, 25.0]) * ARCMIN, flux=1e-3, alpha=6 * ARCSEC, e=np.array([0.3, -0.2j])
+    )
+    longest = []
+
+    def spied(observation, plan, *others):
+        longest.append(plan.longest == plan.bands[0].longest)
+        return residual.gather_residuals(observation, plan, *others)
+
+    monkeypatch.setattr(converged, "gather_residuals", spied)
+    extraction = ConvergedExtraction(most_visits=most_visits)
+    catalogue = catalogue_from_galaxies(sky, array[1])
+    table = measure(_observe(sky, array), catalogue, replace(OPTIONS, extraction=extraction))
+    assert json.loads(table.meta["extract"])["visits"] == len(longest)
+    assert longest == ([True] if most_visits == 1 else [False, True])

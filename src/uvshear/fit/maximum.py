@@ -8,7 +8,7 @@ import numpy as np
 from uvshear.fit.correlator import Correlator
 from uvshear.fit.measurement import GalaxyFit
 from uvshear.fit.prior import ShapePrior
-from uvshear.typing import Array, Float
+from uvshear.typing import Array, Complex, Float
 
 LARGEST_ELLIPTICITY = 0.95
 _TOLERANCE = 1e-3
@@ -32,6 +32,11 @@ class BestFit:
     information: Float[Array, "4 4"]
     position_information: Float[Array, "2 2"]
     has_converged: bool
+
+    @property
+    def snr(self) -> float:
+        """S sqrt<m, m>: the flux comes first in the Fisher matrix."""
+        return self.flux * math.sqrt(float(self.information[0, 0]))
 
 
 @dataclass(frozen=True)
@@ -100,11 +105,7 @@ def hexagonal_lattice(radius: float, spacing: float) -> Float[Array, "sample 2"]
 
 def _best_of_lattice(correlator: Correlator, prior: ShapePrior) -> tuple[complex, float] | None:
     """Shape of the highest posterior among 13 ellipticities and three sizes, at the present centre."""
-    angles = np.exp(2j * math.pi * np.arange(6) / 6)
-    ellipticity = np.concatenate([[0], 0.3 * angles, 0.6 * angles * np.exp(1j * math.pi / 6)])
-    steps = np.array([-1.0, 0.0, 1.0])
-    e = np.repeat(ellipticity, 3)
-    deviation = np.tile(steps, len(ellipticity))
+    e, deviation = shape_lattice()
     sizes = prior.log_scale_length + deviation * prior.log_scale_length_sigma
     heights, norm = correlator.correlate(e, sizes, correlator.displaced_to(np.zeros((1, 2))))
     if not np.any(heights > 0):
@@ -113,6 +114,14 @@ def _best_of_lattice(correlator: Correlator, prior: ShapePrior) -> tuple[complex
     score = np.maximum(heights[:, 0], 0) ** 2 / (2 * reached) - 0.5 * deviation**2
     best = int(np.argmax(score))
     return complex(e[best]), float(sizes[best])
+
+
+def shape_lattice() -> tuple[Complex[Array, " sample"], Float[Array, " sample"]]:
+    """Ellipticities in all directions, each with three sizes in standard deviations of the prior."""
+    angles = np.exp(2j * math.pi * np.arange(6) / 6)
+    ellipticity = np.concatenate([[0], 0.3 * angles, 0.6 * angles * np.exp(1j * math.pi / 6)])
+    steps = np.array([-1.0, 0.0, 1.0])
+    return np.repeat(ellipticity, 3), np.tile(steps, len(ellipticity))
 
 
 def _climb(
@@ -258,14 +267,6 @@ def _shortened(step: Float[Array, " 2"], longest: float) -> Float[Array, " 2"]:
     return step if length <= longest else step * (longest / length)
 
 
-def ellipticity_covariance(best: BestFit) -> Float[Array, "2 2"]:
-    """Of (e1, e2), flux and size marginalised, by the Fisher matrix."""
-    return np.linalg.inv(best.information)[1:3, 1:3]
-
-
-def log_scale_length_given_shape(best: BestFit) -> tuple[Float[Array, " 2"], float]:
-    """Regression of ln alpha on (e1, e2) with the flux free, and its standard deviation."""
-    covariance = np.linalg.inv(best.information)
-    slope = np.linalg.solve(covariance[1:3, 1:3], covariance[1:3, 3])
-    variance = covariance[3, 3] - slope @ covariance[1:3, 3]
-    return slope, math.sqrt(max(variance, 1e-12))
+def shape_covariance(best: BestFit) -> Float[Array, "3 3"]:
+    """Of (e1, e2, ln alpha), the flux marginalised, by the Fisher matrix."""
+    return np.linalg.inv(best.information)[1:, 1:]

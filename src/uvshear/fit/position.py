@@ -4,23 +4,30 @@ With a flux uniform from zero, the likelihood of a template at position x is, wi
 
 .. math:: L(x) \propto N^{-1/2}\, e^{h(x)^2/2N}\, \Phi(h(x)/\sqrt{N}).
 
-Its integral over x is a Gauss-Hermite sum about the best fit. At a signal-to-noise ratio of ten the noise shows
-in h on the scale of the beam: a Gaussian put on h's own peak and curvature (Rivi et al. 2016 do that) then
-meets templates whose curvature is all but singular, and believes them.
+Its integral over x is a Gauss-Hermite sum about the best fit of a bright galaxy. At a signal-to-noise ratio of ten
+the noise shows in h on the scale of the beam: a Gaussian put on h's own peak and curvature (Rivi et al. 2016 do that)
+then meets templates whose curvature is all but singular, and believes them; and templates of another ellipticity have
+their peak somewhere else, out of the reach of nodes about the best. There the sum is over a lattice of all positions
+where any ellipticity is likely.
 """
 
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+from scipy.spatial import KDTree
 from scipy.special import log_ndtr
 
 from uvshear.fit.correlator import Correlator
-from uvshear.fit.maximum import BestFit
+from uvshear.fit.likely import Likely
+from uvshear.fit.maximum import BestFit, hexagonal_lattice
 from uvshear.typing import Array, Complex, Float
 
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(4)
 _INFLATION = 1.2
+
+_STEP = 1.5
+"""Spacing of the lattice over the standard deviation of the position."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +46,7 @@ class MarginalLikelihood:
 
 
 class PositionQuadrature:
-    """Gauss-Hermite nodes over the position, wider by a fifth than the Fisher covariance of the best fit."""
+    """Nodes over the position, counted from the best fit on which the correlator is centred."""
 
     def __init__(
         self,
@@ -52,7 +59,10 @@ class PositionQuadrature:
 
     @classmethod
     def about(cls, correlator: Correlator, best: BestFit, radius: float) -> Self:
-        """Build for a correlator centred on the best fit; the prior of the position ends at ``radius``."""
+        """Gauss-Hermite nodes, wider by a fifth than the best fit's Fisher covariance.
+
+        The prior of the position ends at ``radius`` from the facet's centre.
+        """
         z = np.stack(np.meshgrid(_NODES, _NODES), axis=-1).reshape(-1, 2)
         weights = np.outer(_WEIGHTS, _WEIGHTS).ravel()
         # The four corners hold a thousandth of the sum and cost a quarter of it.
@@ -64,6 +74,16 @@ class PositionQuadrature:
         if not allowed.any():
             allowed[:] = True
         return cls(correlator, nodes[allowed], log_weights[allowed])
+
+    @classmethod
+    def over(cls, correlator: Correlator, likely: Likely) -> Self:
+        """Hexagonal lattice over all likely positions."""
+        reach = 0.6 * likely.spacing
+        furthest = float(np.hypot(*likely.positions.T).max()) + reach
+        lattice = hexagonal_lattice(furthest, _STEP * likely.sigma)
+        distance, _ = KDTree(likely.positions).query(lattice, distance_upper_bound=reach)
+        nodes = lattice[np.isfinite(distance)]
+        return cls(correlator, nodes, np.zeros(len(nodes)))
 
     def marginalise(
         self, ellipticity: Complex[Array, " sample"], log_scale_length: Float[Array, " sample"]

@@ -8,9 +8,9 @@ import numpy as np
 from uvshear.fit.correlator import Correlator
 from uvshear.fit.maximum import (
     BestFit,
-    ellipticity_covariance,
     maximise_likelihood,
     search_radius,
+    shape_covariance,
 )
 from uvshear.fit.measurement import FitFlag, GalaxyFit, ShapeMeasurement
 from uvshear.fit.posterior import PosteriorSamples, sample_posterior
@@ -60,7 +60,7 @@ def measure_shape(
         return ShapeMeasurement.failed(FitFlag.NO_PEAK)
     if not _is_determined(best):
         return ShapeMeasurement.failed(FitFlag.UNDETERMINED)
-    if _significance(best) > FLOAT32_SNR:
+    if best.snr > FLOAT32_SNR:
         correlator = Correlator(facet, profile, np.float64)
         best = maximise_likelihood(correlator, prior, _galaxy(best, correlator)) or best
     samples = sample_posterior(correlator, prior, best)
@@ -79,7 +79,7 @@ def _galaxy(best: BestFit, correlator: Correlator) -> GalaxyFit:
         offset=best.position * correlator.length,
         ellipticity=best.ellipticity,
         scale_length=math.exp(best.log_scale_length),
-        snr=_significance(best),
+        snr=best.snr,
     )
 
 
@@ -88,11 +88,6 @@ def _is_determined(best: BestFit) -> bool:
     scale = np.sqrt(np.maximum(np.diag(best.position_information), 1e-30))
     values = np.linalg.eigvalsh(best.position_information / np.outer(scale, scale))
     return bool(values.min() > SINGULAR)
-
-
-def _significance(best: BestFit) -> float:
-    """S sqrt<m, m>: the flux comes first in the Fisher matrix."""
-    return best.flux * math.sqrt(float(best.information[0, 0]))
 
 
 def _has_data(facet: Facet) -> bool:
@@ -110,7 +105,7 @@ def _judge(best: BestFit, correlator: Correlator, prior: ShapePrior) -> FitFlag:
 
 def _expected_e_sigma(best: BestFit, prior: ShapePrior) -> float:
     """det(covariance of e)^(1/4) by the Fisher matrix of the best fit and the prior's variance."""
-    information = np.linalg.inv(ellipticity_covariance(best))
+    information = np.linalg.inv(shape_covariance(best)[:2, :2])
     information += np.eye(2) / prior.ellipticity.population_variance
     return float(np.linalg.det(information)) ** -0.25
 
