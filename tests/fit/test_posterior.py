@@ -115,6 +115,15 @@ def test_a_prior_of_the_ellipticity_multiplies_the_posterior():
     assert np.hypot(*disc.ellipticity) < np.hypot(*flat.ellipticity) - 0.01
 
 
+def test_a_share_of_the_information_widens_the_posterior_as_more_noise_does():
+    facet, _ = noise_free(0.25 - 0.35j, snr=2000.0)
+    whole = measure_shape(facet, PRIOR, EXPONENTIAL)
+    part = measure_shape(facet, PRIOR, EXPONENTIAL, share=0.7)
+    # the size's prior, which stays, is nothing at this SNR
+    np.testing.assert_allclose(part.covariance, whole.covariance / 0.7, rtol=0.01, atol=1e-9)
+    np.testing.assert_allclose(part.ellipticity, whole.ellipticity, atol=2e-5)
+
+
 @pytest.mark.parametrize("snr", [300.0, 3e4, 1e6])
 def test_the_sampling_holds_for_any_snr(snr):
     e = 0.6 - 0.3j

@@ -102,18 +102,25 @@ class ShapeMeasurement:
         return float(max(xx * yy - xy**2, 0.0) ** 0.25)
 
 
+FARTHEST = 0.3
+"""Shift of e over its error at most, for the neighbours' sake. At 1, 2.8 galaxies per square arcminute have 0.7 % more
+scatter; at 0.1, slopes 0.002 lower."""
+
+
 def inflated(
     shape: ShapeMeasurement,
     held: Float[Array, "6 6"],
     free: Float[Array, "6 6"],
     shift: Float[Array, " 6"],
+    share: float = 1.0,
 ) -> ShapeMeasurement:
     """Widen the errors by what free neighbours add, and move e by ``shift`` as far as the posterior follows.
 
-    ``held`` and ``free`` are Fisher covariances of (flux, e1, e2, ln alpha, l, m) with the neighbours fixed and free.
-    With held = L L^T and C = K K^T the posterior's covariance of e, it becomes K L^-1 free L^-T K^T: the posterior
+    ``held`` and ``free`` are Fisher covariances of (flux, e1, e2, ln alpha, l, m) with the neighbours fixed and free;
+    ``share`` is the part of the information that the posterior has counted.
+    With held = L L^T and C = K K^T the posterior's covariance of e, it becomes share K L^-1 free L^-T K^T: the posterior
     keeps its own shape. The mean of a posterior of covariance C moves by C held^-1 times what the likelihood moves, no
-    farther than its error: beyond that a Fisher matrix says nothing.
+    farther than ``FARTHEST`` of its errors: beyond that a Fisher matrix says little, and adds its own noise.
     """
     if not np.all(np.isfinite(shape.covariance)):
         return shape
@@ -125,8 +132,8 @@ def inflated(
     errors = math.sqrt(float(moved @ np.linalg.pinv(shape.covariance) @ moved))
     return replace(
         shape,
-        ellipticity=shape.ellipticity + moved / max(errors, 1.0),
-        covariance=matrix @ free[e, e] @ matrix.T,
+        ellipticity=shape.ellipticity + moved / max(errors / FARTHEST, 1.0),
+        covariance=share * matrix @ free[e, e] @ matrix.T,
         flux_err=shape.flux_err * float(ratio[0]),
         scale_length_err=shape.scale_length_err * float(ratio[3]),
         offset_err=shape.offset_err * ratio[4:6],

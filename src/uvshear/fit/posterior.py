@@ -46,8 +46,12 @@ class PosteriorSamples:
     is_covered: bool
 
 
-def sample_posterior(correlator: Correlator, prior: ShapePrior, best: BestFit) -> PosteriorSamples:
+def sample_posterior(
+    correlator: Correlator, prior: ShapePrior, best: BestFit, share: float = 1.0
+) -> PosteriorSamples:
     """Posterior over (e, ln alpha), flux and position marginalised, about the best fit.
+
+    The log likelihood counts by ``share``: the part of its information that is the galaxy's own.
 
     The lattice follows the axes of the Fisher covariance and grows from the best fit, and from whatever else is
     likely, over every point within ``DEPTH`` of the highest. Where the Fisher matrix misleads it starts again: with
@@ -64,7 +68,7 @@ def sample_posterior(correlator: Correlator, prior: ShapePrior, best: BestFit) -
         position = PositionQuadrature.about(correlator, best, search_radius(correlator, prior))
     axes = STEP * _principal_axes(shape_covariance(best))
     for _ in range(_MOST_ATTEMPTS):
-        samples = _Lattice(position, prior, starts, axes).flood()
+        samples = _Lattice(position, prior, starts, axes, share).flood()
         found = _covariance(samples)
         if not samples.is_covered:
             axes = STEP * _principal_axes(_GROWTH**2 * found)
@@ -102,10 +106,12 @@ class _Lattice:
         prior: ShapePrior,
         starts: Float[Array, "sample 3"],
         axes: Float[Array, "3 3"],
+        share: float,
     ) -> None:
-        """The first of the starts is a point of the lattice."""
+        """Put the lattice so that the first of the starts is one of its points."""
         self._position, self._prior, self._axes = position, prior, axes
         self._starts, self._origin = starts, starts[0]
+        self._share = share
         self._seen: set[tuple[int, int, int]] = set()
 
     def flood(self) -> PosteriorSamples:
@@ -144,9 +150,8 @@ class _Lattice:
         e, size = self._shape(points)
         marginal = self._position.marginalise(e, size)
         deviation = (size - self._prior.log_scale_length) / self._prior.log_scale_length_sigma
-        log_density = (
-            marginal.log_likelihood - 0.5 * deviation**2 + self._prior.ellipticity.log_density(e)
-        )
+        log_prior = self._prior.ellipticity.log_density(e) - 0.5 * deviation**2
+        log_density = self._share * marginal.log_likelihood + log_prior
         return e, size, log_density, marginal
 
 

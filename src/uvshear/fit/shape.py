@@ -49,9 +49,18 @@ def fit_galaxy(
 
 
 def measure_shape(
-    facet: Facet, prior: ShapePrior, profile: Profile, start: GalaxyFit | None = None
+    facet: Facet,
+    prior: ShapePrior,
+    profile: Profile,
+    start: GalaxyFit | None = None,
+    *,
+    share: float = 1.0,
 ) -> ShapeMeasurement:
-    """Posterior mean and covariance of the ellipticity; flux, position and size marginalised."""
+    """Posterior mean and covariance of the ellipticity; flux, position and size marginalised.
+
+    ``share`` is the part of the facet's information that is the galaxy's own, where neighbours held in place would
+    tell more of it than they do when free.
+    """
     if not _has_data(facet):
         return ShapeMeasurement.failed(FitFlag.NO_DATA)
     correlator = Correlator(facet, profile)
@@ -63,7 +72,7 @@ def measure_shape(
     if best.snr > FLOAT32_SNR:
         correlator = Correlator(facet, profile, np.float64)
         best = maximise_likelihood(correlator, prior, _galaxy(best, correlator)) or best
-    samples = sample_posterior(correlator, prior, best)
+    samples = sample_posterior(correlator, prior, best, share)
     if not np.all(np.isfinite(samples.probability)):
         return ShapeMeasurement.failed(FitFlag.NOT_CONVERGED)
     flag = _judge(best, correlator, prior) if samples.is_covered else FitFlag.NOT_CONVERGED

@@ -275,28 +275,29 @@ class _Run:
 
     def _measure_shapes(self, settlement: Settlement) -> Mapping[int, ShapeMeasurement]:
         profile = self._options.profile
+        chosen = np.flatnonzero(self._is_galaxy)
+        galaxies = chosen.tolist()
+        freedoms = dict(zip(galaxies, settlement.freedoms(chosen), strict=True))
 
         def sample(k: int) -> ShapeMeasurement:
-            source, fit = self._sources[k], settlement.fits[k]
+            source, fit, neighbours = self._sources[k], settlement.fits[k], freedoms[k]
+            share = 1.0 if neighbours is None else neighbours.share
             start = fit if fit.snr > 0 else None
-            shape = measure_shape(settlement.facet(k), source.prior.measured, profile, start)
+            facet = settlement.facet(k)
+            shape = measure_shape(facet, source.prior.measured, profile, start, share=share)
             if shape.flag is FitFlag.OK:
                 size = math.exp(source.prior.log_scale_length)
                 left = residual_significance(settlement.residual(k), profile, size)
                 if left > SIGNIFICANT:
-                    return replace(shape, flag=FitFlag.CONTAMINATED)
-            return shape
+                    shape = replace(shape, flag=FitFlag.CONTAMINATED)
+            if neighbours is None:
+                return shape
+            return inflated(shape, neighbours.held, neighbours.free, neighbours.shift, share)
 
-        chosen = np.flatnonzero(self._is_galaxy)
-        freedoms = settlement.freedoms(chosen)
-        galaxies = chosen.tolist()
         measurements = {}
         shapes = in_order(sample, galaxies, self._options.threads)
-        for k, alone, neighbours in zip(galaxies, shapes, freedoms, strict=True):
+        for k, shape in zip(galaxies, shapes, strict=True):
             self._meter.add(_POSTERIOR)
-            shape = alone
-            if neighbours is not None:
-                shape = inflated(alone, neighbours.held, neighbours.free, neighbours.shift)
             ratio = float(self._common[k])
             best = None if shape.best is None else self._in_catalogue_flux(k, shape.best)
             measurements[int(self._members[k])] = replace(

@@ -6,6 +6,7 @@ the Fisher matrix between sources only have to point downhill, so they are taken
 baselines and end at some distance.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -186,6 +187,12 @@ class Freedom:
     held: Float[Array, "6 6"]
     free: Float[Array, "6 6"]
     shift: Float[Array, " 6"]
+
+    @property
+    def share(self) -> float:
+        """Part of the information on e that stays with the neighbours free."""
+        held, free = (np.linalg.det(one[1:3, 1:3]) for one in (self.held, self.free))
+        return math.sqrt(min(held / free, 1.0))
 
 
 def freedom(

@@ -1,0 +1,87 @@
+"""Estimators of the shear as the calibration runs them: from a galaxy's facet to its term of two sums."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from uvshear.calibration.isolated import Stage
+from uvshear.fit.measurement import FitFlag
+from uvshear.fit.moments import MomentFunctional
+from uvshear.fit.prior import ShapePrior
+from uvshear.fit.shape import measure_shape
+from uvshear.galaxy import DiscEllipticityPrior, EllipticityPrior, Exponential, Profile
+from uvshear.interferometer.facet import Facet
+from uvshear.shear.moments import moment_weight
+from uvshear.shear.weight import lensfit_weight
+from uvshear.typing import Array, Float
+
+Term = tuple[Float[Array, " 2"], Float[Array, "2 2"]]
+"""Numbers of a galaxy, and their response to g1, g2."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What an estimator is given of a galaxy: its facet, and what a catalogue knows.
+
+    Parameters
+    ----------
+    facet, stage
+        Its statistics, and where they come from.
+    prior
+        Of its size.
+    flux
+        Of the catalogue [Jy].
+    """
+
+    facet: Facet
+    stage: Stage
+    prior: ShapePrior
+    flux: float
+
+
+class Estimator(ABC):
+    """From a facet to what is summed."""
+
+    name: str
+
+    @abstractmethod
+    def term(self, seen: Seen) -> Term | None:
+        """Numbers and response of one galaxy; None where it has none."""
+
+
+@dataclass(frozen=True)
+class MeanEstimator(Estimator):
+    """Weighted mean of posterior-mean ellipticities, as Rivi & Miller 2018 do it."""
+
+    profile: Profile = field(default_factory=Exponential)
+    population: EllipticityPrior = field(default_factory=DiscEllipticityPrior)
+    name: str = "mean"
+
+    def term(self, seen: Seen) -> Term | None:
+        """Ellipticity times lensfit's weight, and the weight."""
+        shape = measure_shape(seen.facet, seen.prior, self.profile)
+        if shape.flag is not FitFlag.OK:
+            return None
+        weight = float(lensfit_weight(np.array([shape.e_sigma]), self.population)[0])
+        return weight * shape.ellipticity, weight * np.eye(2)
+
+
+@dataclass(frozen=True)
+class MomentEstimator(Estimator):
+    """Moments of the visibility function, linear in the data."""
+
+    name: str = "moments"
+    _functionals: dict[int, MomentFunctional] = field(default_factory=dict)
+
+    def term(self, seen: Seen) -> Term | None:
+        """M_1, M_2 and their derivatives by the shear, weighed by the catalogue's flux."""
+        key = id(seen.stage)
+        if key not in self._functionals:
+            stage = seen.stage
+            self._functionals[key] = MomentFunctional(stage.cutout.uv, stage.power, stage.width)
+        moments = self._functionals[key].measure(seen.facet.correlation)
+        if moments is None:
+            return None
+        weight = moment_weight(seen.flux, moments.covariance[0, 0])
+        return weight * moments.shape, weight * moments.response

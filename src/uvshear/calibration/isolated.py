@@ -1,0 +1,108 @@
+"""Galaxies alone in the beam, drawn as their sufficient statistics: what visibilities would have come to.
+
+A facet's correlation is the beam's power times the model, plus noise of that variance in each component: no
+visibilities are needed to draw it.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+
+from uvshear.extraction.beams import gather_beams, power_of
+from uvshear.extraction.cutout import Cutout, cutout, cutout_size
+from uvshear.extraction.plan import LADDER, SMALL
+from uvshear.extraction.residual import Gridding
+from uvshear.fit.measurement import GalaxyFit
+from uvshear.fit.template import Template
+from uvshear.galaxy import Galaxies, Profile
+from uvshear.imaging.bands import OVERSAMPLING
+from uvshear.interferometer.facet import Facet
+from uvshear.interferometer.visibilities import Observation
+from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.typing import Array, Complex, Float
+
+SCALE_LENGTHS = 45.0
+"""Width of a facet over the median scale length, as the extraction's."""
+
+WIDEST = 560
+"""Pixels to a side at most: a beam's image ends somewhere."""
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Cells of a facet, and the beam's power on them [Jy^-2]."""
+
+    cutout: Cutout
+    power: Float[Array, " cell"]
+
+    @property
+    def width(self) -> float:
+        """Of the facet [rad]."""
+        return self.cutout.size * self.cutout.pixel
+
+    def noise(self, rng: np.random.Generator) -> Complex[Array, " cell"]:
+        """Draw noise [Jy^-1] of variance ``power`` in each component."""
+        first, second = rng.standard_normal((2, len(self.power)))
+        return np.sqrt(self.power) * (first + 1j * second)
+
+    def facet(
+        self, galaxy: GalaxyFit, profile: Profile, noise: Complex[Array, " cell"]
+    ) -> Facet:
+        """Facet to which visibilities of this galaxy and noise would have been summed."""
+        model = Template(self.cutout.uv, profile).model(galaxy)
+        return Facet(self.cutout.uv, self.power * model + noise, self.power)
+
+
+@dataclass(frozen=True)
+class Beam:
+    """Dirty beam of an observation towards its phase centre, for facets of any size.
+
+    Parameters
+    ----------
+    image
+        [Jy^-2], on pixels of ``pixel`` [rad].
+    longest
+        Baseline in it [wavelengths].
+    """
+
+    image: Float[Array, "l m"]
+    pixel: float
+    longest: float
+    _stages: dict[Cutout, Stage] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls,
+        observation: Observation,
+        galaxies: Galaxies,
+        frequency: float,
+        smallest: float,
+        threads: int = 1,
+    ) -> Self:
+        """Gather it for galaxies whose prior has scale lengths down to ``smallest`` two sigma below its median [rad].
+
+        The spectral index of the ``galaxies`` is that of the beam; fluxes of facets are at ``frequency`` [Hz].
+        """
+        longest = SMALL / smallest
+        pixel = 1 / (2 * OVERSAMPLING * longest)
+        spectrum = SpectralExpansion.of(galaxies, frequency, frequency)
+        gridding = Gridding(threads=threads)
+        beams = gather_beams(
+            observation, np.zeros((1, 2)), (0.0, longest), pixel, spectrum, gridding
+        )
+        return cls(beams.images[0], pixel, longest)
+
+    def stage(self, log_median: float, sigma: float) -> Stage:
+        """Facet for a galaxy whose ln(scale length / rad) has this mean and standard deviation."""
+        width = SCALE_LENGTHS * math.exp(log_median)
+        step = math.ceil(math.log(width / self.pixel) / math.log(LADDER) - 1e-9)
+        size = min(cutout_size(self.pixel * LADDER**step, self.pixel), WIDEST)
+        reach = min(SMALL / math.exp(log_median - 2 * sigma), self.longest)
+        rung = math.floor(math.log(self.longest / reach) / math.log(LADDER) + 1e-9)
+        cells = cutout(size, self.pixel, 0.0, self.longest * LADDER**-rung)
+        if cells not in self._stages:
+            power = np.maximum(power_of(self.image, cells), 0.0)
+            self._stages[cells] = Stage(cells, power)
+        return self._stages[cells]

@@ -1,0 +1,25 @@
+"""Shear from moments of visibility functions: sum of the moments over the sum of their responses."""
+
+
+import numpy as np
+
+from uvshear.typing import Array, Float
+
+ELLIPTICITY_SCATTER = 0.3
+"""Standard deviation of a noise-free galaxy's M over its R."""
+
+RESPONSE = 1.5
+"""R over the flux for a galaxy of an arcsecond, in the units of the moments."""
+
+
+def moment_weight(
+    flux: float | Float[Array, " source"], variance: float | Float[Array, " source"]
+) -> Float[Array, " source"]:
+    r"""Weight of a galaxy's moments, from its catalogue's flux [Jy] and the noise variance of M [Jy^2].
+
+    .. math:: w = \frac{R}{\sigma_e^2 R^2 + \sigma_M^2},\quad R = 1.5 S
+
+    A function of what neither the shear nor the noise of the moments changes: a fitted flux would not do.
+    """
+    response = RESPONSE * np.asarray(flux)
+    return response / (ELLIPTICITY_SCATTER**2 * response**2 + variance)
