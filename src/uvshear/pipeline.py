@@ -16,6 +16,7 @@ import numpy as np
 from astropy.table import Table
 from scipy.spatial import cKDTree
 
+from uvshear.calibration.isolated import Beam
 from uvshear.constants import REFERENCE_FREQUENCY
 from uvshear.errors import InputError
 from uvshear.fit.measurement import FitFlag, ShapeMeasurement
@@ -34,10 +35,13 @@ from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
 from uvshear.measurement import Extracted, Field, MeasurementOptions, Progress
 from uvshear.shear.mean import ShearEstimate, weighted_mean_shear
+from uvshear.shear.moments import moment_weight
+from uvshear.shear.response import Responses
 from uvshear.shear.weight import lensfit_weight
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.observation import SimulatedObservation
+from uvshear.simulation.population import Population
 from uvshear.typing import Array, Bool, Float, Int
 
 Lens = Callable[[Galaxies, complex], Galaxies]
@@ -123,6 +127,34 @@ def extract(
     return field, options.extraction.measure(observation, field, options, progress)
 
 
+def beam_of(
+    plan: ObservingPlan,
+    population: Population,
+    *,
+    noise: GalaxyNoise | None = None,
+    threads: int = 1,
+) -> Beam:
+    """Beam of an observation towards its phase centre, in which ``calibration`` puts galaxies of a population."""
+    faintest = np.array([population.flux.minimum])
+    size = population.size.prior(faintest)
+    nothing = Galaxies(
+        l=np.zeros(1),
+        m=np.zeros(1),
+        flux=np.zeros(1),
+        scale_length=np.exp(size.log_median),
+        ellipticity=np.zeros(1, complex),
+        spectral_index=np.array([population.spectral_index]),
+    )
+    profile = Exponential()
+    coverage = synthesise(plan.layout, plan.track)
+    level = (noise or GalaxyNoise()).scaled_to(coverage, plan.channels, profile, threads)
+    observation = SimulatedObservation(
+        coverage, plan.channels, nothing, profile, level, None, threads
+    )
+    smallest = float(np.exp(size.log_median[0] - 2 * size.sigma[0]))
+    return Beam.of(observation, nothing, smallest, threads)
+
+
 SAME_PLACE = 0.25
 """Sources closer than this part of the smaller one's median scale length are one."""
 
@@ -196,6 +228,24 @@ def estimate_shear(shapes: Table, *, snr_min: float = 0.0, seed: int = 1) -> She
     bright = inside(shapes, "snr") >= snr_min
     rng = np.random.default_rng(seed)
     return weighted_mean_shear(e[bright], weight[bright], rng)
+
+
+def estimate_shear_by_moments(
+    shapes: Table, statistics: Table, *, snr_min: float = 0.0
+) -> ShearEstimate:
+    """Sum of moments over the sum of their responses, its error by a jackknife; ``statistics`` as kept.
+
+    Galaxies with a flag have no part in it, nor those below ``snr_min``: a cut on what was measured, which shear and
+    noise move galaxies across.
+    """
+    value = np.stack([np.array(statistics[name], float) for name in ("m1", "m2")], axis=-1)
+    r11, r12, r22 = (np.array(statistics[name], float) for name in ("r11", "r12", "r22"))
+    response = np.stack([r11, r12, r12, r22], axis=-1).reshape(-1, 2, 2)
+    variance = (np.array(statistics["m1_var"]) + np.array(statistics["m2_var"])) / 2
+    used = np.array(shapes["flag"] == "ok") & (inside(shapes, "snr") >= snr_min)
+    used &= np.isfinite(value).all(axis=-1)
+    weight = moment_weight(inside(shapes, "flux")[used], variance[used])
+    return Responses(value[used], response[used]).weighted(weight).shear("moments")
 
 
 def _prepare(

@@ -1,133 +1,80 @@
-"""Multiplicative and additive bias of an estimator from simulated galaxies.
+"""Multiplicative and additive bias of an estimator, from the shears that it finds.
 
-The same galaxies behind opposite shears, with the same noise: their difference is free of most of both. Each galaxy
-is there with e and with -e, and with its noise and the opposite: the intrinsic shapes and the noise cancel in the sum,
-which shows the additive bias.
+The same galaxies behind opposite shears, with the same noise: their difference is free of most of both. Each galaxy is
+there with e and with -e, and with its noise and the opposite: intrinsic shapes and noise cancel in the sum, which shows
+the additive bias.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass
-from multiprocessing import get_context
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
-from uvshear.calibration.estimators import Estimator, Seen
-from uvshear.calibration.isolated import Beam
-from uvshear.fit.measurement import GalaxyFit
-from uvshear.fit.prior import ShapePrior
-from uvshear.galaxy import Galaxies, Profile, SizeFluxRelation
-from uvshear.shear.response import jackknife
-from uvshear.simulation.lensing import shear_galaxies
-from uvshear.simulation.population import Population
 from uvshear.typing import Array, Float
-
-BLOCK = 50
-"""Galaxies to a task; their sums are a block of the jackknife."""
-
-_VALUES = 6
 
 
 @dataclass(frozen=True)
-class Experiment:
-    """What is simulated.
+class Bias:
+    """g measured = (1 + m) g + c, component by component, with jackknife errors.
 
     Parameters
     ----------
-    beam
-        Of the observation.
-    population
-        Fluxes, sizes and ellipticities.
-    profile
-        True brightness profile.
-    shears
-        Reduced shears, together symmetric about 0.
-    lens
-        What a shear does to galaxies.
-    size
-        Relation that the estimator takes its prior of the size from.
-    flux_bins
-        Edges [Jy].
-    seed
-        Of galaxies and noise.
+    name
+        Of the galaxies, by their flux.
+    m, m_err, c, c_err
+        Of both components.
+    n
+        Galaxies, each measured several times.
     """
 
-    beam: Beam
-    population: Population
-    profile: Profile
-    shears: tuple[complex, ...]
-    flux_bins: tuple[float, ...]
-    lens: Callable[[Galaxies, complex], Galaxies] = shear_galaxies
-    size: SizeFluxRelation = SizeFluxRelation()
-    seed: int = 1
+    name: str
+    m: Float[Array, " 2"]
+    m_err: Float[Array, " 2"]
+    c: Float[Array, " 2"]
+    c_err: Float[Array, " 2"]
+    n: int
 
-    def draw(self, first: int, number: int) -> tuple[Galaxies, np.random.Generator]:
-        """Draw galaxies ``first`` to ``first + number``, and the stream of their noise."""
-        rng = np.random.default_rng([self.seed, first])
-        population = self.population
-        flux = population.flux.draw(number, rng)
-        modulus = population.ellipticity.draw_modulus(number, rng)
-        turn = np.exp(2j * np.pi * rng.uniform(size=number))
-        galaxies = Galaxies(
-            l=np.zeros(number),
-            m=np.zeros(number),
-            flux=flux,
-            scale_length=population.size.draw(flux, rng),
-            ellipticity=modulus * turn,
-            spectral_index=np.full(number, population.spectral_index),
-        )
-        return galaxies, rng
+    def record(self) -> dict[str, float | int]:
+        """Flat numbers for a file."""
+        return {
+            "m1": float(self.m[0]),
+            "m1_err": float(self.m_err[0]),
+            "m2": float(self.m[1]),
+            "m2_err": float(self.m_err[1]),
+            "c1": float(self.c[0]),
+            "c1_err": float(self.c_err[0]),
+            "c2": float(self.c[1]),
+            "c2_err": float(self.c_err[1]),
+            "n": self.n,
+        }
 
 
-@dataclass(frozen=True)
-class Sums:
-    """Sums over the galaxies of a block: of values and responses, and their number, by flux bin and shear."""
-
-    values: Float[Array, "bin shear 6"]
-    count: Float[Array, "bin shear"]
-    failed: int
-
-
-def sums_of(experiment: Experiment, estimator: Estimator, first: int, number: int) -> Sums:
-    """Draw galaxies, and let the estimator look at each behind every shear."""
-    galaxies, rng = experiment.draw(first, number)
-    bins, shears = len(experiment.flux_bins) - 1, len(experiment.shears)
-    values, count, failed = np.zeros((bins, shears, _VALUES)), np.zeros((bins, shears)), 0
-    size = experiment.size.prior(galaxies.flux)
-    which = np.searchsorted(experiment.flux_bins, galaxies.flux, side="right") - 1
-    turned = galaxies_turned(galaxies)
-    lensed = [[experiment.lens(one, shear) for shear in experiment.shears] for one in turned]
-    for k in range(number):
-        stage = experiment.beam.stage(float(size.log_median[k]), float(size.sigma[k]))
-        noise = stage.noise(rng)
-        prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
-        row = int(which[k])
-        if not 0 <= row < bins:
-            continue
-        for one in lensed:
-            for column, sky in enumerate(one):
-                galaxy = GalaxyFit(
-                    float(sky.flux[k]),
-                    np.zeros(2),
-                    complex(sky.ellipticity[k]),
-                    float(sky.scale_length[k]),
-                    0.0,
-                )
-                for sign in (1, -1):
-                    facet = stage.facet(galaxy, experiment.profile, sign * noise)
-                    term = estimator.term(Seen(facet, stage, prior, float(galaxies.flux[k])))
-                    if term is None:
-                        failed += 1
-                        continue
-                    values[row, column, :2] += term[0]
-                    values[row, column, 2:] += term[1].ravel()
-                    count[row, column] += 1
-    return Sums(values, count, failed)
+def shears_of(
+    values: Float[Array, "... shear 6"], about: Sequence[complex]
+) -> Float[Array, "... shear 2"]:
+    """Shears that sums of an estimator's numbers (two, and four of their response) come to."""
+    response = values[..., 2:].reshape(*values.shape[:-1], 2, 2)
+    ratio = np.linalg.solve(response, values[..., :2, None])[..., 0]
+    return ratio + np.array([[g.real, g.imag] for g in about])
 
 
-def galaxies_turned(galaxies: Galaxies) -> tuple[Galaxies, Galaxies]:
-    """Galaxies and the same turned by a right angle."""
-    from dataclasses import replace
+def fit_bias(
+    name: str,
+    shears: Sequence[complex],
+    about: Sequence[complex],
+    values: Float[Array, "block shear 6"],
+    n: int,
+) -> Bias:
+    """Fit m and c to ``shears`` that add up to zero, from sums over blocks of galaxies."""
+    g = np.array([[shear.real, shear.imag] for shear in shears])
 
-    return galaxies, replace(galaxies, ellipticity=-galaxies.ellipticity)
+    def fit(sums: Float[Array, "... shear 6"]) -> Float[Array, "... 4"]:
+        found = shears_of(sums, about)
+        m = np.sum(g * found, axis=-2) / np.sum(g**2, axis=0) - 1
+        return np.concatenate([m, found.mean(axis=-2)], axis=-1)
+
+    total = values.sum(axis=0)
+    best, left = fit(total), fit(total - values)
+    count = len(values)
+    error = np.sqrt((count - 1) / count * np.sum((left - left.mean(axis=0)) ** 2, axis=0))
+    return Bias(name, best[:2], error[:2], best[2:], error[2:], n)

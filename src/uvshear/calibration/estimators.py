@@ -6,12 +6,18 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from uvshear.calibration.isolated import Stage
+from uvshear.fit.likelihood import sample_likelihood
 from uvshear.fit.measurement import FitFlag
 from uvshear.fit.moments import MomentFunctional
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import measure_shape
 from uvshear.galaxy import DiscEllipticityPrior, EllipticityPrior, Exponential, Profile
 from uvshear.interferometer.facet import Facet
+from uvshear.shear.bayesian import (
+    ShapeLikelihood,
+    UnlensedPopulation,
+    gradient_and_curvature,
+)
 from uvshear.shear.moments import moment_weight
 from uvshear.shear.weight import lensfit_weight
 from uvshear.typing import Array, Float
@@ -32,18 +38,23 @@ class Seen:
         Of its size.
     flux
         Of the catalogue [Jy].
+    about
+        Current estimate of the shear.
     """
 
     facet: Facet
     stage: Stage
     prior: ShapePrior
     flux: float
+    about: complex = 0j
 
 
 class Estimator(ABC):
     """From a facet to what is summed."""
 
     name: str
+    is_expanded: bool = False
+    """Whether its numbers count from an estimate of the shear."""
 
     @abstractmethod
     def term(self, seen: Seen) -> Term | None:
@@ -71,6 +82,7 @@ class MeanEstimator(Estimator):
 class MomentEstimator(Estimator):
     """Moments of the visibility function, linear in the data."""
 
+    position_sigma: float = 0.0
     name: str = "moments"
     _functionals: dict[int, MomentFunctional] = field(default_factory=dict)
 
@@ -79,9 +91,33 @@ class MomentEstimator(Estimator):
         key = id(seen.stage)
         if key not in self._functionals:
             stage = seen.stage
-            self._functionals[key] = MomentFunctional(stage.cutout.uv, stage.power, stage.width)
+            self._functionals[key] = MomentFunctional(
+                stage.cutout.uv, stage.power, stage.width, self.position_sigma
+            )
         moments = self._functionals[key].measure(seen.facet.correlation)
-        if moments is None:
-            return None
         weight = moment_weight(seen.flux, moments.covariance[0, 0])
         return weight * moments.shape, weight * moments.response
+
+
+@dataclass(frozen=True)
+class BayesianEstimator(Estimator):
+    """Gradient and curvature of the log probability of the data, about the current estimate of the shear."""
+
+    profile: Profile = field(default_factory=Exponential)
+    population: UnlensedPopulation = field(default_factory=UnlensedPopulation)
+    name: str = "bayesian"
+    is_expanded: bool = True
+
+    def term(self, seen: Seen) -> Term | None:
+        """Both, of one galaxy."""
+        found = sample_likelihood(seen.facet, seen.prior, self.profile, self.population.ellipticity)
+        if found is None:
+            return None
+        likelihood = ShapeLikelihood(
+            found.samples.ellipticity,
+            found.samples.log_scale_length,
+            found.log_likelihood,
+            found.flux,
+            found.flux_variance,
+        )
+        return gradient_and_curvature(likelihood, self.population, seen.about)

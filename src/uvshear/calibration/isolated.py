@@ -47,9 +47,7 @@ class Stage:
         first, second = rng.standard_normal((2, len(self.power)))
         return np.sqrt(self.power) * (first + 1j * second)
 
-    def facet(
-        self, galaxy: GalaxyFit, profile: Profile, noise: Complex[Array, " cell"]
-    ) -> Facet:
+    def facet(self, galaxy: GalaxyFit, profile: Profile, noise: Complex[Array, " cell"]) -> Facet:
         """Facet to which visibilities of this galaxy and noise would have been summed."""
         model = Template(self.cutout.uv, profile).model(galaxy)
         return Facet(self.cutout.uv, self.power * model + noise, self.power)
@@ -77,17 +75,16 @@ class Beam:
         cls,
         observation: Observation,
         galaxies: Galaxies,
-        frequency: float,
         smallest: float,
         threads: int = 1,
     ) -> Self:
-        """Gather it for galaxies whose prior has scale lengths down to ``smallest`` two sigma below its median [rad].
+        """Gather it for scale lengths down to ``smallest`` [rad], and the spectral index of the ``galaxies``.
 
-        The spectral index of the ``galaxies`` is that of the beam; fluxes of facets are at ``frequency`` [Hz].
+        Fluxes of facets are those of catalogues.
         """
         longest = SMALL / smallest
         pixel = 1 / (2 * OVERSAMPLING * longest)
-        spectrum = SpectralExpansion.of(galaxies, frequency, frequency)
+        spectrum = SpectralExpansion.of(galaxies, 1.0, 1.0)
         gridding = Gridding(threads=threads)
         beams = gather_beams(
             observation, np.zeros((1, 2)), (0.0, longest), pixel, spectrum, gridding

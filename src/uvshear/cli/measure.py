@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from uvshear.extraction.residual_image import DirtyAndResidual
     from uvshear.measurement import Extraction
+    from uvshear.measurement.keep import Statistic
 
 EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits -o SHAPES.fits"
 
@@ -133,6 +134,13 @@ def measure(
             help="Memory for what would be worked out again [GB]; by default half of the machine's.",
         ),
     ] = None,
+    keep: Annotated[
+        str | None,
+        typer.Option(
+            help="Statistics for uvshear shear, kept beside the shapes: moments (converged only).",
+            show_default=False,
+        ),
+    ] = None,
     residual_image: Annotated[
         Path | None,
         typer.Option(
@@ -146,6 +154,7 @@ def measure(
     """Measure the ellipticity of every source of a catalogue from the visibilities."""
     uv_range = uv_range_of(uv_min or 0.0, uv_max)
     way = extraction_of(extraction, facet, facet_size, rounds, uv_min)
+    statistics = statistics_of(keep, extraction)
 
     from uvshear.constants import ARCSEC
     from uvshear.galaxy import CatalogueSize, SizeFluxRelation
@@ -155,6 +164,7 @@ def measure(
     from uvshear.io.outputs import check_file
     from uvshear.io.remarks import remarks_on
     from uvshear.io.shapes import write_shapes
+    from uvshear.io.statistics import statistics_path, statistics_table, write_statistics
     from uvshear.io.tables import check_table_name
     from uvshear.measurement import MeasurementOptions
     from uvshear.measurement.options import half_of_memory
@@ -163,6 +173,8 @@ def measure(
 
     check_table_name(output)
     check_file(output, overwrite=overwrite, inputs=(catalogue,))
+    if statistics:
+        check_file(statistics_path(output), overwrite=overwrite, inputs=(catalogue,))
     if residual_image is not None:
         check_residual_image(residual_image, output, catalogue, overwrite=overwrite)
     frequency = None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6
@@ -182,6 +194,7 @@ def measure(
         position_radius=(
             None if position_radius_arcsec is None else position_radius_arcsec * ARCSEC
         ),
+        keep=statistics,
         threads=thread_count(threads),
         memory=half_of_memory() if memory_gb is None else memory_gb * 1e9,
     )
@@ -192,6 +205,10 @@ def measure(
     made = provenance(context, *measurement_sets, catalogue)
     shapes.meta.update(made.metadata())
     write_shapes(output, shapes, overwrite=overwrite)
+    if statistics:
+        columns = tuple(name for one in statistics for name in one.columns)
+        kept = statistics_table(shapes["id"], columns, extracted.kept)
+        write_statistics(statistics_path(output), kept, overwrite=overwrite)
     for path in measurement_sets:
         for remark in remarks_on(path, column, field_of(field)):
             warn(remark)
@@ -205,6 +222,20 @@ def measure(
             )
         write_residual_image(residual_image, images, centre, made.metadata(), overwrite=overwrite)
         _draw(images, shorten(measurement_sets[0].name), residual_image, overwrite=overwrite)
+
+
+def statistics_of(keep: str | None, extraction: ExtractionName) -> "tuple[Statistic, ...]":
+    """Return the statistics of names joined by commas."""
+    from uvshear.measurement.keep import MomentStatistic
+
+    if keep is None:
+        return ()
+    if extraction is not ExtractionName.CONVERGED:
+        raise InputError(f"--keep {keep}: only --extraction converged keeps statistics")
+    for name in keep.split(","):
+        if name != "moments":
+            raise InputError(f"--keep {keep}: '{name}' is not known; moments is")
+    return (MomentStatistic(),)
 
 
 def _draw(images: "DirtyAndResidual", title: str, path: Path, *, overwrite: bool) -> None:

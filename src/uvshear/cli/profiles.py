@@ -13,10 +13,18 @@ class ProfileName(StrEnum):
 
     EXPONENTIAL = "exponential"
     GAUSSIAN = "gaussian"
+    SERSIC_2 = "sersic-2"
+    DISC_BULGE = "disc-bulge"
 
 
 def profile_of(name: ProfileName) -> "Profile":
     """Return the profile of a name."""
-    from uvshear.galaxy import Exponential, Gaussian
+    from uvshear.galaxy import DiscBulge, Exponential, Gaussian, Sersic
 
-    return Gaussian() if name is ProfileName.GAUSSIAN else Exponential()
+    profiles: dict[ProfileName, Profile] = {
+        ProfileName.EXPONENTIAL: Exponential(),
+        ProfileName.GAUSSIAN: Gaussian(),
+        ProfileName.SERSIC_2: Sersic(2.0),
+        ProfileName.DISC_BULGE: DiscBulge(),
+    }
+    return profiles[name]

@@ -19,9 +19,10 @@ EPILOG = "Example: uvshear shear SHAPES.fits --snr-min 10 -o SHEAR.json"
 
 
 class EstimatorName(StrEnum):
-    """An estimator of the shear."""
+    """An estimator of the shear of a table of shapes."""
 
     MEAN = "mean"
+    MOMENTS = "moments"
 
 
 def register(app: typer.Typer) -> None:
@@ -41,14 +42,21 @@ def shear(
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Estimate the shear: the weighted mean ellipticity, its error by 1000 bootstraps."""
+    """Estimate the shear: the weighted mean ellipticity with 1000 bootstraps, or moments with a jackknife."""
     from uvshear.io.outputs import check_file, write_json
     from uvshear.io.shapes import read_shapes
-    from uvshear.pipeline import estimate_shear
+    from uvshear.io.statistics import read_statistics
+    from uvshear.measurement.keep import MomentStatistic
+    from uvshear.pipeline import estimate_shear, estimate_shear_by_moments
 
     if output is not None:
         check_file(output, overwrite=overwrite, inputs=(shapes,))
-    estimate = estimate_shear(read_shapes(shapes), snr_min=snr_min, seed=seed)
+    table = read_shapes(shapes)
+    if estimator is EstimatorName.MOMENTS:
+        kept = read_statistics(shapes, len(table), MomentStatistic.columns, "moments")
+        estimate = estimate_shear_by_moments(table, kept, snr_min=snr_min)
+    else:
+        estimate = estimate_shear(table, snr_min=snr_min, seed=seed)
     say(describe_shear(estimate))
     if output is not None:
         write_json(output, asdict(estimate) | {"version": __version__}, overwrite=overwrite)

@@ -118,9 +118,9 @@ def inflated(
 
     ``held`` and ``free`` are Fisher covariances of (flux, e1, e2, ln alpha, l, m) with the neighbours fixed and free;
     ``share`` is the part of the information that the posterior has counted.
-    With held = L L^T and C = K K^T the posterior's covariance of e, it becomes share K L^-1 free L^-T K^T: the posterior
-    keeps its own shape. The mean of a posterior of covariance C moves by C held^-1 times what the likelihood moves, no
-    farther than ``FARTHEST`` of its errors: beyond that a Fisher matrix says little, and adds its own noise.
+    With held = L L^T and C = K K^T the posterior's covariance of e, it becomes share K L^-1 free L^-T K^T: the
+    posterior keeps its own shape. The mean of a posterior of covariance C moves by C held^-1 times what the likelihood
+    moves, no farther than ``FARTHEST`` of its errors: beyond that a Fisher matrix says little, and adds its own noise.
     """
     if not np.all(np.isfinite(shape.covariance)):
         return shape

@@ -29,6 +29,9 @@ _MOST_ATTEMPTS = 10
 MOST_POINTS = 2000
 """A posterior as wide as expected takes about 300."""
 
+MOST_FINE_POINTS = 20_000
+"""The same where the steps are bounded."""
+
 _NEIGHBOURS = np.vstack([np.eye(3, dtype=int), -np.eye(3, dtype=int)])
 
 
@@ -47,11 +50,16 @@ class PosteriorSamples:
 
 
 def sample_posterior(
-    correlator: Correlator, prior: ShapePrior, best: BestFit, share: float = 1.0
+    correlator: Correlator,
+    prior: ShapePrior,
+    best: BestFit,
+    share: float = 1.0,
+    widest_e: float = math.inf,
 ) -> PosteriorSamples:
     """Posterior over (e, ln alpha), flux and position marginalised, about the best fit.
 
-    The log likelihood counts by ``share``: the part of its information that is the galaxy's own.
+    The log likelihood counts by ``share``: the part of its information that is the galaxy's own. Steps are no wider
+    than ``widest_e`` in e: what multiplies the posterior may have detail of its own.
 
     The lattice follows the axes of the Fisher covariance and grows from the best fit, and from whatever else is
     likely, over every point within ``DEPTH`` of the highest. Where the Fisher matrix misleads it starts again: with
@@ -59,19 +67,20 @@ def sample_posterior(
     ``MOST_POINTS`` do not cover it.
     """
     starts = _coordinates(np.array([best.ellipticity]), np.array([best.log_scale_length]))
-    if best.snr < FAINT:
+    if best.snr < FAINT and math.isinf(widest_e):
         likely = Likely.of(correlator, prior, best)
         position = PositionQuadrature.over(correlator, likely)
         shapes = _coordinates(likely.ellipticity, likely.log_scale_length)
         starts = np.vstack([starts, shapes])
     else:
         position = PositionQuadrature.about(correlator, best, search_radius(correlator, prior))
-    axes = STEP * _principal_axes(shape_covariance(best))
+    axes = _axes(shape_covariance(best), widest_e)
+    most = MOST_POINTS if math.isinf(widest_e) else MOST_FINE_POINTS
     for _ in range(_MOST_ATTEMPTS):
-        samples = _Lattice(position, prior, starts, axes, share).flood()
+        samples = _Lattice(position, prior, starts, axes, share, most).flood()
         found = _covariance(samples)
         if not samples.is_covered:
-            axes = STEP * _principal_axes(_GROWTH**2 * found)
+            axes = _axes(_GROWTH**2 * found, widest_e)
             continue
         narrow = np.diag(_in_steps(axes, found)) < _NARROWEST**2
         if not narrow.any():
@@ -80,10 +89,17 @@ def sample_posterior(
     return samples
 
 
-def _principal_axes(covariance: Float[Array, "3 3"]) -> Float[Array, "3 3"]:
-    """Axes of one standard deviation, as columns."""
-    values, vectors = np.linalg.eigh(covariance)
-    return vectors * np.sqrt(np.clip(values, _SHARPEST**2, _WIDEST**2))
+def _axes(covariance: Float[Array, "3 3"], widest_e: float) -> Float[Array, "3 3"]:
+    """Give the steps along the axes of e, the size following, and along ln alpha alone, as columns."""
+    values, vectors = np.linalg.eigh(covariance[:2, :2])
+    of_e = STEP * np.sqrt(np.clip(values, _SHARPEST**2, _WIDEST**2))
+    slope = (vectors.T @ covariance[:2, 2]) / np.maximum(values, _SHARPEST**2)
+    given_e = covariance[2, 2] - slope**2 @ values
+    axes = np.zeros((3, 3))
+    axes[:2, :2], axes[2, :2] = vectors, slope
+    axes[:, :2] *= np.minimum(of_e, widest_e)
+    axes[2, 2] = STEP * math.sqrt(min(max(given_e, _SHARPEST**2), _WIDEST**2))
+    return axes
 
 
 def _covariance(samples: PosteriorSamples) -> Float[Array, "3 3"]:
@@ -107,11 +123,12 @@ class _Lattice:
         starts: Float[Array, "sample 3"],
         axes: Float[Array, "3 3"],
         share: float,
+        most: int,
     ) -> None:
         """Put the lattice so that the first of the starts is one of its points."""
         self._position, self._prior, self._axes = position, prior, axes
         self._starts, self._origin = starts, starts[0]
-        self._share = share
+        self._share, self._most = share, most
         self._seen: set[tuple[int, int, int]] = set()
 
     def flood(self) -> PosteriorSamples:
@@ -121,7 +138,7 @@ class _Lattice:
         frontier = self._new_points(np.vstack([np.rint(away).astype(int), _NEIGHBOURS]))
         found: list[tuple[Array, Array, Array, MarginalLikelihood]] = []
         highest = -math.inf
-        while len(frontier) and len(self._seen) < MOST_POINTS:
+        while len(frontier) and len(self._seen) < self._most:
             e, size, log_density, marginal = self._evaluate(frontier)
             found.append((e, size, log_density, marginal))
             highest = max(highest, float(log_density.max()))

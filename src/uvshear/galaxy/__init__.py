@@ -16,10 +16,12 @@ from uvshear.galaxy.flux import PowerLawFlux
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.gaussian import Gaussian
 from uvshear.galaxy.profile import Profile
+from uvshear.galaxy.sersic import DiscBulge, Sersic
 from uvshear.galaxy.size import CatalogueSize, SizeFluxRelation, SizeModel, SizePrior
 
 __all__ = [
     "CatalogueSize",
+    "DiscBulge",
     "DiscEllipticityPrior",
     "EllipticityPrior",
     "Exponential",
@@ -28,6 +30,7 @@ __all__ = [
     "Gaussian",
     "PowerLawFlux",
     "Profile",
+    "Sersic",
     "SizeFluxRelation",
     "SizeModel",
     "SizePrior",

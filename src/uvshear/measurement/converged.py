@@ -21,6 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from uvshear.concurrency import in_order
 from uvshear.extraction.beams import NANOSECONDS, SIZE, Beams, directions, gather_beams
+from uvshear.extraction.cutout import Cutout
 from uvshear.extraction.facets import UvRange
 from uvshear.extraction.plan import VisitPlan, Wanted, plan_visit
 from uvshear.extraction.residual import (
@@ -34,6 +35,7 @@ from uvshear.fit.goodness import SIGNIFICANT, residual_significance
 from uvshear.fit.measurement import FitFlag, GalaxyFit, ShapeMeasurement, inflated
 from uvshear.fit.shape import measure_shape
 from uvshear.imaging.bands import OVERSAMPLING
+from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.baselines import Baselines
 from uvshear.measurement.extraction import Extracted, Extraction, Progress
@@ -143,6 +145,7 @@ class _Run:
         epsilon = min(method.epsilon, max(ERROR / snr, FINEST))
         self._gridding = Gridding(epsilon, block_of(options.memory), options.threads)
         self._meter = Meter(progress)
+        self._kept: dict[int, Mapping[str, float]] = {}
 
     def measure(self) -> Extracted:
         field, method, options = self._field, self._method, self._options
@@ -201,7 +204,7 @@ class _Run:
             profile = options.profile
             measurements = with_natural_snr(measurements, self._observation, sky, profile)
         uv_range = UvRange(used.shortest, field.uv_range.maximum)
-        return Extracted(measurements, sky, uv_range, record)
+        return Extracted(measurements, sky, uv_range, record, self._kept)
 
     def _describe(self) -> list[ModelledSource]:
         field, options = self._field, self._options
@@ -284,6 +287,7 @@ class _Run:
             share = 1.0 if neighbours is None else neighbours.share
             start = fit if fit.snr > 0 else None
             facet = settlement.facet(k)
+            self._keep(k, facet, settlement.cutout(k))
             shape = measure_shape(facet, source.prior.measured, profile, start, share=share)
             if shape.flag is FitFlag.OK:
                 size = math.exp(source.prior.log_scale_length)
@@ -304,6 +308,13 @@ class _Run:
                 shape, flux=shape.flux / ratio, flux_err=shape.flux_err / ratio, best=best
             )
         return measurements
+
+    def _keep(self, k: int, facet: Facet, cutout: Cutout) -> None:
+        numbers: dict[str, float] = {}
+        for statistic in self._options.keep:
+            numbers.update(statistic.of(facet, cutout))
+        if numbers:
+            self._kept[int(self._members[k])] = numbers
 
     def _foresee(self, plan: VisitPlan, *, is_first: bool) -> None:
         """Tell the meter what is to come: a second visit is taken for granted, more are not."""

@@ -1,5 +1,6 @@
 """How sources are told apart: what every way of doing it takes and gives."""
 
+import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -32,12 +33,15 @@ class Extracted:
         Baselines that took part [wavelengths].
     record
         How it went: numbers and words that JSON knows, written into the metadata of the shapes.
+    kept
+        Statistics asked for, by index of the catalogue.
     """
 
     measurements: Mapping[int, ShapeMeasurement]
     sky: Galaxies
     uv_range: UvRange
     record: Mapping[str, object]
+    kept: Mapping[int, Mapping[str, float]] = dataclasses.field(default_factory=dict)
 
 
 class Extraction(ABC):

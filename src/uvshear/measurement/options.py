@@ -18,6 +18,7 @@ from uvshear.galaxy import (
 )
 from uvshear.measurement.converged import ConvergedExtraction
 from uvshear.measurement.extraction import Extraction
+from uvshear.measurement.keep import Statistic
 
 
 def default_extraction() -> Extraction:
@@ -52,6 +53,8 @@ class MeasurementOptions:
         Radius of the uniform prior on the position [rad]; None stands for one width of the correlation's peak.
     field_radius
         Sources farther from the phase centre are flagged and left alone [rad].
+    keep
+        Statistics of every source that are kept beside its shape.
     threads
         Results do not depend on it.
     memory
@@ -66,6 +69,7 @@ class MeasurementOptions:
     uv_range: UvRange = field(default_factory=UvRange)
     position_radius: float | None = None
     field_radius: float = np.radians(5.0)
+    keep: tuple[Statistic, ...] = ()
     threads: int = 1
     memory: float = field(default_factory=half_of_memory)
 

@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 from uvshear.concurrency import in_order
 from uvshear.constants import ARCSEC
 from uvshear.extraction.beams import Beams
+from uvshear.extraction.cutout import Cutout
 from uvshear.extraction.interaction import Interaction, Source
 from uvshear.extraction.plan import VisitPlan
 from uvshear.extraction.schedule import fitting_levels
@@ -213,6 +214,10 @@ class Settlement:
         for unit in self._units:
             moved[unit] = self._unit_distance(unit, self._reference)
         return moved
+
+    def cutout(self, source: int) -> Cutout:
+        """Cells of a source's facet."""
+        return self._plan.cutouts[source]
 
     def freedoms(self, chosen: Int[Array, " chosen"]) -> list[Freedom | None]:
         """Tell what free neighbours mean for sources; None for one that has none near."""

@@ -1,6 +1,5 @@
 """Shear from moments of visibility functions: sum of the moments over the sum of their responses."""
 
-
 import numpy as np
 
 from uvshear.typing import Array, Float

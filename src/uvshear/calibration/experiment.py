@@ -1,0 +1,228 @@
+"""Isolated galaxies behind known shears, and what an estimator makes of them."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from multiprocessing import get_context
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from uvshear.calibration.bias import Bias, fit_bias, shears_of
+from uvshear.calibration.estimators import Estimator, Seen
+from uvshear.calibration.isolated import Beam, Stage
+from uvshear.constants import MICROJANSKY
+from uvshear.errors import InputError
+from uvshear.fit.measurement import GalaxyFit
+from uvshear.fit.prior import ShapePrior
+from uvshear.galaxy import Exponential, Galaxies, Profile, SizeFluxRelation
+from uvshear.measurement.extraction import Progress
+from uvshear.simulation.lensing import shear_galaxies
+from uvshear.simulation.population import Population
+from uvshear.typing import Array, Float
+
+BLOCK = 50
+"""Galaxies to a task; their sums are a block of the jackknife."""
+
+PILOT, PILOT_ROUNDS = 500, 2
+"""Galaxies and rounds that an expanded estimator's first guess of the shear takes."""
+
+FLUX_BINS = (10.0, 20.0, 50.0, 200.0)
+"""Edges [uJy]."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """What is simulated.
+
+    Parameters
+    ----------
+    beam
+        Of the observation.
+    shears
+        Reduced shears that add up to zero.
+    population
+        Fluxes, sizes and ellipticities.
+    profile
+        True brightness profile.
+    lens
+        What a shear does to galaxies.
+    size
+        Relation that the estimator takes its prior of the size from.
+    snr_min
+        Galaxies whose catalogue flux makes for less, at the median size, are left out: no shear changes that.
+    position_sigma
+        Errors of the catalogue's position, in l and in m [rad].
+    seed
+        Of galaxies and noise.
+    """
+
+    beam: Beam
+    shears: tuple[complex, ...]
+    population: Population = field(default_factory=Population)
+    profile: Profile = field(default_factory=Exponential)
+    lens: Callable[[Galaxies, complex], Galaxies] = shear_galaxies
+    size: SizeFluxRelation = field(default_factory=SizeFluxRelation)
+    snr_min: float = 0.0
+    position_sigma: float = 0.0
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        total = sum(self.shears)
+        if abs(total) > 1e-9 or not any(self.shears):
+            raise InputError("a calibration's shears add up to zero, and are not all zero")
+
+    def draw(self, number: int, rng: np.random.Generator) -> Galaxies:
+        """Draw galaxies of the population in one place."""
+        population = self.population
+        flux = population.flux.draw(number, rng)
+        modulus = population.ellipticity.draw_modulus(number, rng)
+        turn = np.exp(2j * np.pi * rng.uniform(size=number))
+        return Galaxies(
+            l=self.position_sigma * rng.standard_normal(number),
+            m=self.position_sigma * rng.standard_normal(number),
+            flux=flux,
+            scale_length=population.size.draw(flux, rng),
+            ellipticity=modulus * turn,
+            spectral_index=np.full(number, population.spectral_index),
+        )
+
+    def versions(self, galaxies: Galaxies) -> list[list[Galaxies]]:
+        """Galaxies and the same turned by a right angle, each behind every shear."""
+        turned = replace(galaxies, ellipticity=-galaxies.ellipticity)
+        return [[self.lens(one, g) for g in self.shears] for one in (galaxies, turned)]
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Sums of an estimator's numbers over the galaxies of a block, how many these are, and how many failed."""
+
+    values: Float[Array, "bin shear 6"]
+    count: Float[Array, " bin"]
+    failed: int
+
+
+def calibrate(
+    experiment: Experiment,
+    estimator: Estimator,
+    galaxies: int,
+    threads: int = 1,
+    progress: Progress | None = None,
+) -> list[Bias]:
+    """Bias of an estimator in total and by flux; the same whatever the number of processes."""
+    about: Sequence[complex] = [0j] * len(experiment.shears)
+    if estimator.is_expanded:
+        for _ in range(PILOT_ROUNDS):
+            sums = _run(experiment, estimator, about, min(PILOT, galaxies), threads, None)
+            found = shears_of(sum(one.values.sum(axis=0) for one in sums), about)
+            about = [complex(*pair) for pair in found]
+    blocks = _run(experiment, estimator, about, galaxies, threads, progress)
+    values = np.array([block.values for block in blocks])
+    count = np.array([block.count for block in blocks]).sum(axis=0)
+    shears = experiment.shears
+    named = [("all", values.sum(axis=1), int(count.sum()))]
+    for k, (low, high) in enumerate(pairwise(FLUX_BINS)):
+        named.append((f"{low:g}-{high:g} uJy", values[:, k], int(count[k])))
+    return [fit_bias(name, shears, about, part, n) for name, part, n in named if n > 1]
+
+
+def _run(
+    experiment: Experiment,
+    estimator: Estimator,
+    about: Sequence[complex],
+    galaxies: int,
+    threads: int,
+    progress: Progress | None,
+) -> list[Sums]:
+    tasks = [(first, min(BLOCK, galaxies - first)) for first in range(0, galaxies, BLOCK)]
+    done: list[Sums] = []
+    for sums in _in_processes((experiment, estimator, about), tasks, threads):
+        done.append(sums)
+        if progress is not None:
+            progress(min(len(done) * BLOCK, galaxies), galaxies)
+    return done
+
+
+_Setting = tuple[Experiment, Estimator, Sequence[complex]]
+
+
+def _in_processes(
+    setting: _Setting, tasks: Sequence[tuple[int, int]], threads: int
+) -> Iterator[Sums]:
+    """Fits hold the interpreter's lock: processes, not threads."""
+    if threads <= 1:
+        with threadpool_limits(1):
+            yield from (sums_of(*setting, *task) for task in tasks)
+        return
+    with ProcessPoolExecutor(
+        threads, mp_context=get_context("spawn"), initializer=_begin, initargs=setting
+    ) as pool:
+        yield from pool.map(_work, tasks)
+
+
+_setting: list[_Setting] = []
+
+
+def _begin(*setting: *_Setting) -> None:
+    threadpool_limits(1)
+    _setting[:] = [setting]
+
+
+def _work(task: tuple[int, int]) -> Sums:
+    return sums_of(*_setting[0], *task)
+
+
+def sums_of(
+    experiment: Experiment,
+    estimator: Estimator,
+    about: Sequence[complex],
+    first: int,
+    number: int,
+) -> Sums:
+    """Draw galaxies ``first`` and on; let the estimator see each behind every shear, expanded ``about`` it."""
+    rng = np.random.default_rng([experiment.seed, first])
+    galaxies = experiment.draw(number, rng)
+    size = experiment.size.prior(galaxies.flux)
+    edges = np.array(FLUX_BINS) * MICROJANSKY
+    row = np.clip(np.searchsorted(edges, galaxies.flux, side="right") - 1, 0, len(edges) - 2)
+    versions = experiment.versions(galaxies)
+    values = np.zeros((len(edges) - 1, len(about), 6))
+    count, failed = np.zeros(len(edges) - 1), 0
+    for k in range(number):
+        prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
+        stage = experiment.beam.stage(prior.log_scale_length, prior.log_scale_length_sigma)
+        noise = stage.noise(rng)
+        flux = float(galaxies.flux[k])
+        if flux * _norm(stage, prior, experiment.profile) < experiment.snr_min:
+            continue
+        count[row[k]] += 1
+        for column, shear in enumerate(about):
+            for one in versions:
+                galaxy = _galaxy(one[column], k)
+                for sign in (1, -1):
+                    facet = stage.facet(galaxy, experiment.profile, sign * noise)
+                    term = estimator.term(Seen(facet, stage, prior, flux, shear))
+                    if term is None:
+                        failed += 1
+                    else:
+                        values[row[k], column] += np.concatenate([term[0], term[1].ravel()])
+    return Sums(values, count, failed)
+
+
+def _galaxy(galaxies: Galaxies, k: int) -> GalaxyFit:
+    return GalaxyFit(
+        float(galaxies.flux[k]),
+        np.array([galaxies.l[k], galaxies.m[k]]),
+        complex(galaxies.ellipticity[k]),
+        float(galaxies.scale_length[k]),
+        0.0,
+    )
+
+
+def _norm(stage: Stage, prior: ShapePrior, profile: Profile) -> float:
+    """Signal-to-noise ratio of a jansky, round and of the median size."""
+    size = math.exp(prior.log_scale_length)
+    facet = stage.facet(GalaxyFit(1.0, np.zeros(2), 0j, size, 0.0), profile, np.zeros(1))
+    return math.sqrt(float(np.sum(np.abs(facet.correlation) ** 2 / np.maximum(stage.power, 1e-30))))

@@ -1,0 +1,184 @@
+"""``uvshear bias``: how far an estimator of the shear is from the truth."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+import cmath
+import math
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uvshear import __version__
+from uvshear.cli.options import (
+    Overwrite,
+    Pair,
+    Seed,
+    Threads,
+    declination,
+    non_negative,
+    positive,
+    positive_pair,
+    positive_range,
+    thread_count,
+)
+from uvshear.cli.profiles import ProfileName, profile_of
+from uvshear.cli.terminal import progress_bar, say
+from uvshear.errors import InputError
+
+if TYPE_CHECKING:
+    from uvshear.calibration.bias import Bias
+    from uvshear.calibration.estimators import Estimator
+
+EPILOG = (
+    "Example: uvshear bias --estimator moments --galaxies 20000 --snr-min 10 --shear 0.03 --seed 1 "
+    "-o BIAS.json"
+)
+
+
+class CalibratedName(StrEnum):
+    """An estimator of the shear of isolated galaxies."""
+
+    MEAN = "mean"
+    MOMENTS = "moments"
+    BAYESIAN = "bayesian"
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("bias", epilog=EPILOG)(bias)
+
+
+def bias(
+    estimator: Annotated[CalibratedName, typer.Option(help="Of the shear.")],
+    galaxies: Annotated[
+        int, typer.Option(min=100, help="Galaxies, each measured four times behind each shear.")
+    ],
+    output: Annotated[Path, typer.Option("-o", "--output", help="JSON file to write.")],
+    snr_min: Annotated[
+        float,
+        typer.Option(callback=non_negative, help="Leave out galaxies whose flux makes for less."),
+    ] = 10.0,
+    shear: Annotated[float, typer.Option(callback=positive, help="Modulus |g|.")] = 0.02,
+    orientations: Annotated[
+        int, typer.Option(min=2, help="Directions of g, equally spaced, the first at 22.5 deg.")
+    ] = 2,
+    legacy_shear: Annotated[
+        bool,
+        typer.Option("--legacy-shear", help="Keep alpha under shear, as the paper; no true shear."),
+    ] = False,
+    profile: Annotated[
+        ProfileName, typer.Option(help="True profile; exponential discs are fitted.")
+    ] = ProfileName.EXPONENTIAL,
+    position_error_arcsec: Annotated[
+        float, typer.Option(callback=non_negative, help="Of the catalogue, in l and in m.")
+    ] = 0.0,
+    layout: Annotated[str, typer.Option(help="A known array, or a file of positions.")] = (
+        "ska-mid-aa4"
+    ),
+    declination_deg: Annotated[
+        float, typer.Option(callback=declination, help="Of the pointing.")
+    ] = -30.0,
+    hours: Annotated[float, typer.Option(callback=positive, help="Track, about transit.")] = 8.0,
+    integration_s: Annotated[float, typer.Option(callback=positive, help="Of a sample.")] = 300.0,
+    band_mhz: Annotated[
+        Pair, typer.Option(callback=positive_range, metavar="LO HI", help="Edges of the band.")
+    ] = (950.0, 1190.0),
+    snr_at: Annotated[
+        Pair,
+        typer.Option(
+            callback=positive_pair,
+            metavar="UJY SNR",
+            help="Noise by the SNR of the median galaxy of a flux.",
+        ),
+    ] = (10.0, 10.0),
+    seed: Seed = 1,
+    threads: Threads = 0,
+    overwrite: Overwrite = False,
+) -> None:
+    """Measure m and c of an estimator on isolated galaxies, behind opposite shears with the same noise."""
+    from uvshear.calibration.experiment import Experiment, calibrate
+    from uvshear.constants import ARCSEC, MICROJANSKY
+    from uvshear.geometry.directions import PhaseCentre
+    from uvshear.interferometer.coverage import Track
+    from uvshear.interferometer.layout import load_layout
+    from uvshear.interferometer.plan import ObservingPlan
+    from uvshear.interferometer.spectral_window import Channels
+    from uvshear.io.outputs import check_file, write_json
+    from uvshear.pipeline import beam_of
+    from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
+    from uvshear.simulation.noise_level import GalaxyNoise
+    from uvshear.simulation.population import Population
+
+    check_file(output, overwrite=overwrite)
+    if shear >= 1:
+        raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
+    centre = PhaseCentre(0.0, math.radians(declination_deg))
+    track = Track.from_clock(centre, ((-hours * 1800, hours * 1800),), integration_s)
+    plan = ObservingPlan(
+        load_layout(layout),
+        track,
+        Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, 1),
+    )
+    angles = [math.pi / 4 + 2 * math.pi * k / orientations for k in range(orientations)]
+    population = Population()
+    experiment = Experiment(
+        beam=beam_of(
+            plan,
+            population,
+            noise=GalaxyNoise(snr_at[0] * MICROJANSKY, snr_at[1]),
+            threads=thread_count(threads),
+        ),
+        shears=tuple(cmath.rect(shear, angle) for angle in angles),
+        population=population,
+        profile=profile_of(profile),
+        lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
+        snr_min=snr_min,
+        position_sigma=position_error_arcsec * ARCSEC,
+        seed=seed,
+    )
+    with progress_bar("calibrating") as progress:
+        biases = calibrate(
+            experiment,
+            estimator_of(estimator, experiment.position_sigma),
+            galaxies,
+            thread_count(threads),
+            progress,
+        )
+    for one in biases:
+        say(describe(one))
+    record = biases[0].record() | {
+        "estimator": estimator.value,
+        "shear": shear,
+        "orientations": orientations,
+        "legacy_shear": legacy_shear,
+        "profile": profile.value,
+        "snr_min": snr_min,
+        "seed": seed,
+        "version": __version__,
+        "bins": [{"flux": one.name, **one.record()} for one in biases[1:]],
+    }
+    write_json(output, record, overwrite=overwrite)
+
+
+def describe(one: "Bias") -> str:
+    """One line for the terminal."""
+    parts = [
+        f"{name}{i + 1} = {value[i]:+.5f} +- {error[i]:.5f}"
+        for name, value, error in (("m", one.m, one.m_err), ("c", one.c, one.c_err))
+        for i in (0, 1)
+    ]
+    return f"{one.name}: {', '.join(parts)} ({one.n} galaxies)"
+
+
+def estimator_of(name: CalibratedName, position_sigma: float) -> "Estimator":
+    """Return the estimator of a name."""
+    from uvshear.calibration.estimators import (
+        BayesianEstimator,
+        MeanEstimator,
+        MomentEstimator,
+    )
+
+    if name is CalibratedName.MOMENTS:
+        return MomentEstimator(position_sigma)
+    return BayesianEstimator() if name is CalibratedName.BAYESIAN else MeanEstimator()

@@ -1,0 +1,64 @@
+"""The file beside a table of shapes that holds what estimators of the shear need of every source."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from astropy.table import Column, Table
+
+from uvshear.errors import InputError
+from uvshear.io.tables import read_table, write_table
+from uvshear.typing import Array, Float
+
+_DESCRIPTIONS = {
+    "m1": ("moment of u^2 - v^2, weight exp(-k^2/2s^2), s = 15000 wavelengths", "Jy"),
+    "m2": ("moment of 2uv", "Jy"),
+    "m_size": ("moment of u^2 + v^2", "Jy"),
+    "r11": ("derivative of m1 by g1", "Jy"),
+    "r12": ("derivative of m1 by g2, and of m2 by g1", "Jy"),
+    "r22": ("derivative of m2 by g2", "Jy"),
+    "m1_var": ("variance of m1 by noise", "Jy2"),
+    "m2_var": ("variance of m2 by noise", "Jy2"),
+    "m12_cov": ("covariance of m1 and m2 by noise", "Jy2"),
+}
+
+
+def statistics_path(shapes: Path) -> Path:
+    """Name of the file that goes with a table of shapes."""
+    return shapes.with_name(f"{shapes.stem}.stats.fits")
+
+
+def statistics_table(
+    identifier: Array, columns: tuple[str, ...], kept: Mapping[int, Mapping[str, float]]
+) -> Table:
+    """One row a source of the catalogue, NaN where nothing was kept."""
+    table = Table({"id": identifier})
+    for name in columns:
+        values: Float[Array, " source"] = np.full(len(identifier), np.nan)
+        for source, numbers in kept.items():
+            values[source] = numbers[name]
+        description, unit = _DESCRIPTIONS[name]
+        table[name] = Column(values, unit=unit, description=description)
+    return table
+
+
+def write_statistics(path: Path, table: Table, *, overwrite: bool = False) -> None:
+    """Write them as FITS."""
+    write_table(path, table, overwrite=overwrite)
+
+
+def read_statistics(shapes: Path, sources: int, columns: tuple[str, ...], keep: str) -> Table:
+    """Read what goes with a table of so many shapes; ``keep`` is the option that makes the columns."""
+    path = statistics_path(shapes)
+    if not path.exists():
+        raise InputError(
+            f"{path}: no such file, which this estimator needs; measure again with --keep {keep}"
+        )
+    table = read_table(path, f"file written by `uvshear measure --keep {keep}`")
+    if lacking := [name for name in columns if name not in table.colnames]:
+        raise InputError(f"{path}: has no column '{lacking[0]}'; measure again with --keep {keep}")
+    if len(table) != sources:
+        raise InputError(
+            f"{path}: has {len(table)} rows, {shapes} {sources}; both are of one measurement"
+        )
+    return table

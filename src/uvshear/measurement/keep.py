@@ -1,0 +1,56 @@
+"""What is kept of every source beside its shape, for estimators of the shear that need more."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+
+import numpy as np
+
+from uvshear.extraction.cutout import Cutout
+from uvshear.fit.moments import MomentFunctional
+from uvshear.interferometer.facet import Facet
+
+
+class Statistic(ABC):
+    """Numbers of a source, from the facet that its shape is measured on."""
+
+    columns: tuple[str, ...]
+
+    @abstractmethod
+    def of(self, facet: Facet, cutout: Cutout) -> Mapping[str, float]:
+        """Work out the value of each column."""
+
+
+class MomentStatistic(Statistic):
+    """Moments of the visibility function about the catalogue's position, with their responses and noise [Jy]."""
+
+    columns = ("m1", "m2", "m_size", "r11", "r12", "r22", "m1_var", "m2_var", "m12_cov")
+
+    def __init__(self, position_sigma: float = 0.0) -> None:
+        """``position_sigma`` is the error of the catalogue's position in l and in m [rad]."""
+        self._position_sigma = position_sigma
+        self._functionals: dict[tuple[int, float, float], MomentFunctional] = {}
+
+    def of(self, facet: Facet, cutout: Cutout) -> Mapping[str, float]:
+        """Measure them."""
+        moments = self._functional(facet, cutout).measure(facet.correlation)
+        return {
+            "m1": float(moments.shape[0]),
+            "m2": float(moments.shape[1]),
+            "m_size": moments.size,
+            "r11": float(moments.response[0, 0]),
+            "r12": float(moments.response[0, 1]),
+            "r22": float(moments.response[1, 1]),
+            "m1_var": float(moments.covariance[0, 0]),
+            "m2_var": float(moments.covariance[1, 1]),
+            "m12_cov": float(moments.covariance[0, 1]),
+        }
+
+    def _functional(self, facet: Facet, cutout: Cutout) -> MomentFunctional:
+        # Sources of one size and one beam share its power, all but for long baselines that moments do not take.
+        key = cutout.size, cutout.pixel, float(facet.power[0])
+        if key not in self._functionals:
+            width = cutout.size * cutout.pixel
+            self._functionals[key] = MomentFunctional(
+                facet.uv, np.asarray(facet.power, float), width, self._position_sigma
+            )
+        return self._functionals[key]
