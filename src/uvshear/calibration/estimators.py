@@ -95,7 +95,8 @@ class MomentEstimator(Estimator):
                 stage.cutout.uv, stage.power, stage.width, self.position_sigma
             )
         moments = self._functionals[key].measure(seen.facet.correlation)
-        weight = moment_weight(seen.flux, moments.covariance[0, 0])
+        noise = moments.covariance[0, 0]
+        weight = float(moment_weight(np.array([seen.flux]), np.array([noise]))[0])
         return weight * moments.shape, weight * moments.response
 
 
@@ -114,8 +115,9 @@ class BayesianEstimator(Estimator):
         if found is None:
             return None
         likelihood = ShapeLikelihood(
-            found.samples.ellipticity,
-            found.samples.log_scale_length,
+            found.samples.point,
+            found.samples.origin,
+            found.samples.axes,
             found.log_likelihood,
             found.flux,
             found.flux_variance,

@@ -1,6 +1,5 @@
 """Isolated galaxies behind known shears, and what an estimator makes of them."""
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -12,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from uvshear.calibration.bias import Bias, fit_bias, shears_of
 from uvshear.calibration.estimators import Estimator, Seen
-from uvshear.calibration.isolated import Beam, Stage
+from uvshear.calibration.isolated import Beam
 from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
 from uvshear.fit.measurement import GalaxyFit
@@ -165,9 +164,9 @@ def _in_processes(
 _setting: list[_Setting] = []
 
 
-def _begin(*setting: *_Setting) -> None:
+def _begin(experiment: Experiment, estimator: Estimator, about: Sequence[complex]) -> None:
     threadpool_limits(1)
-    _setting[:] = [setting]
+    _setting[:] = [(experiment, estimator, about)]
 
 
 def _work(task: tuple[int, int]) -> Sums:
@@ -195,7 +194,7 @@ def sums_of(
         stage = experiment.beam.stage(prior.log_scale_length, prior.log_scale_length_sigma)
         noise = stage.noise(rng)
         flux = float(galaxies.flux[k])
-        if flux * _norm(stage, prior, experiment.profile) < experiment.snr_min:
+        if flux * stage.snr_of_jansky(prior, experiment.profile) < experiment.snr_min:
             continue
         count[row[k]] += 1
         for column, shear in enumerate(about):
@@ -219,10 +218,3 @@ def _galaxy(galaxies: Galaxies, k: int) -> GalaxyFit:
         float(galaxies.scale_length[k]),
         0.0,
     )
-
-
-def _norm(stage: Stage, prior: ShapePrior, profile: Profile) -> float:
-    """Signal-to-noise ratio of a jansky, round and of the median size."""
-    size = math.exp(prior.log_scale_length)
-    facet = stage.facet(GalaxyFit(1.0, np.zeros(2), 0j, size, 0.0), profile, np.zeros(1))
-    return math.sqrt(float(np.sum(np.abs(facet.correlation) ** 2 / np.maximum(stage.power, 1e-30))))

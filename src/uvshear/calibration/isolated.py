@@ -15,6 +15,7 @@ from uvshear.extraction.cutout import Cutout, cutout, cutout_size
 from uvshear.extraction.plan import LADDER, SMALL
 from uvshear.extraction.residual import Gridding
 from uvshear.fit.measurement import GalaxyFit
+from uvshear.fit.prior import ShapePrior
 from uvshear.fit.template import Template
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.imaging.bands import OVERSAMPLING
@@ -51,6 +52,12 @@ class Stage:
         """Facet to which visibilities of this galaxy and noise would have been summed."""
         model = Template(self.cutout.uv, profile).model(galaxy)
         return Facet(self.cutout.uv, self.power * model + noise, self.power)
+
+    def snr_of_jansky(self, prior: ShapePrior, profile: Profile) -> float:
+        """Signal-to-noise ratio of a jansky, round and of the prior's median size."""
+        galaxy = GalaxyFit(1.0, np.zeros(2), 0j, math.exp(prior.log_scale_length), 0.0)
+        model = Template(self.cutout.uv, profile).model(galaxy)
+        return math.sqrt(float(np.sum(self.power * np.abs(model) ** 2)))
 
 
 @dataclass(frozen=True)

@@ -7,18 +7,18 @@ import numpy as np
 
 from uvshear.fit.correlator import Correlator
 from uvshear.fit.maximum import maximise_likelihood
-from uvshear.fit.posterior import PosteriorSamples, sample_posterior
+from uvshear.fit.posterior import PosteriorSamples, Steps, sample_posterior
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import FLOAT32_SNR
 from uvshear.galaxy import EllipticityPrior, Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.typing import Array, Float
 
-WIDEST_STEP = 0.06
-"""In e: the core of the population's ellipticities is 0.07 wide."""
+STEPS = Steps(relative=0.9, widest_e=0.08, most_points=20_000)
+"""Fine enough to interpolate between: with 0.12 the curvature is 1.4 per cent off at 10 to 30 uJy, with 0.08 0.1."""
 
 _FLATTENED = 0.9
-_BEYOND = 0.1
+_BEYOND = 0.15
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def sample_likelihood(
         best = maximise_likelihood(correlator, expected)
         if best is None or not best.has_converged:
             return None
-    samples = sample_posterior(correlator, expected, best, widest_e=WIDEST_STEP)
+    samples = sample_posterior(correlator, expected, best, steps=STEPS)
     if not samples.is_covered:
         return None
     given, unit = samples.given_shape, correlator.flux_unit

@@ -106,7 +106,7 @@ class MomentFunctional:
         targets = weight * np.stack([a, b, a * a - 2 * rho, a * b, b * b - 2 * rho, rho])
         self._weights = _weights_of_least_noise(near, power, targets, width, longest)
         shown = self._weights[[0, 1, 5]]
-        self._covariance = (shown * power) @ shown.T
+        self._covariance = (shown * np.abs(power)) @ shown.T
 
     def measure(self, correlation: Complex[Array, " cell"]) -> Moments:
         """Moments of one facet's data about its centre."""
@@ -134,7 +134,9 @@ def _weights_of_least_noise(
     half = (places[:, 0] > 0) | ((places[:, 0] == 0) & (places[:, 1] >= 0))
     places = places[half & (np.hypot(*places.T) < DISC * width)]
     cosine = np.cos(2 * math.pi * places @ uv.T)
-    beam = (cosine * (power / power.max())) @ cosine.T
+    # A beam cut out of its image has a little negative power in the gaps: noise is as large as its modulus.
+    noise = np.abs(power)
+    beam = (cosine * (noise / noise.max())) @ cosine.T
     beam[np.diag_indices_from(beam)] *= 1 + _RIDGE
     solution = cho_solve(cho_factor(beam, overwrite_a=True), cosine @ targets.T)
-    return (cosine.T @ solution).T / power.max()
+    return np.sign(power) * (cosine.T @ solution).T / noise.max()

@@ -12,9 +12,6 @@ from uvshear.fit.position import MarginalLikelihood, PositionQuadrature
 from uvshear.fit.prior import ShapePrior
 from uvshear.typing import Array, Complex, Float, Int
 
-STEP = 1.25
-"""Lattice step over the Fisher error. The trapezoidal rule's error for a Gaussian is 2 exp(-2 pi^2/step^2)."""
-
 FAINT = 20.0
 """Signal-to-noise ratio below which other positions and shapes than those about the best fit are looked for. Without,
 one galaxy in 300 at an SNR of 10 to 20 has its posterior's second peak, and the truth, left out."""
@@ -26,11 +23,28 @@ _NARROWEST = 0.65
 
 _GROWTH = 1.5
 _MOST_ATTEMPTS = 10
-MOST_POINTS = 2000
-"""A posterior as wide as expected takes about 300."""
 
-MOST_FINE_POINTS = 20_000
-"""The same where the steps are bounded."""
+
+@dataclass(frozen=True)
+class Steps:
+    """How fine a lattice is to be.
+
+    Parameters
+    ----------
+    relative
+        Step over the Fisher error. The trapezoidal rule's error for a Gaussian is 2 exp(-2 pi^2/step^2).
+    widest_e
+        Widest step in e.
+    most_points
+        A posterior as wide as expected takes about 300 of the usual steps.
+    """
+
+    relative: float = 1.25
+    widest_e: float = math.inf
+    most_points: int = 2000
+
+
+USUAL = Steps()
 
 _NEIGHBOURS = np.vstack([np.eye(3, dtype=int), -np.eye(3, dtype=int)])
 
@@ -39,7 +53,8 @@ _NEIGHBOURS = np.vstack([np.eye(3, dtype=int), -np.eye(3, dtype=int)])
 class PosteriorSamples:
     """Nodes of the quadrature over e and ln alpha, with their posterior probability (of sum 1).
 
-    ``is_covered`` tells whether they reach the border of the posterior all round.
+    ``is_covered`` tells whether they reach the border of the posterior all round. The nodes are ``origin + axes @
+    point`` in (e1, e2, ln alpha); the last of the axes (columns) is along ln alpha.
     """
 
     ellipticity: Complex[Array, " sample"]
@@ -47,6 +62,9 @@ class PosteriorSamples:
     probability: Float[Array, " sample"]
     given_shape: MarginalLikelihood
     is_covered: bool
+    point: Int[Array, "sample 3"]
+    origin: Float[Array, " 3"]
+    axes: Float[Array, "3 3"]
 
 
 def sample_posterior(
@@ -54,33 +72,31 @@ def sample_posterior(
     prior: ShapePrior,
     best: BestFit,
     share: float = 1.0,
-    widest_e: float = math.inf,
+    steps: Steps = USUAL,
 ) -> PosteriorSamples:
     """Posterior over (e, ln alpha), flux and position marginalised, about the best fit.
 
-    The log likelihood counts by ``share``: the part of its information that is the galaxy's own. Steps are no wider
-    than ``widest_e`` in e: what multiplies the posterior may have detail of its own.
+    The log likelihood counts by ``share``: the part of its information that is the galaxy's own.
 
     The lattice follows the axes of the Fisher covariance and grows from the best fit, and from whatever else is
     likely, over every point within ``DEPTH`` of the highest. Where the Fisher matrix misleads it starts again: with
     half the step along an axis if the posterior is narrower, along the axes found so far if it is so much wider that
-    ``MOST_POINTS`` do not cover it.
+    ``most_points`` do not cover it.
     """
     starts = _coordinates(np.array([best.ellipticity]), np.array([best.log_scale_length]))
-    if best.snr < FAINT and math.isinf(widest_e):
+    if best.snr < FAINT and math.isinf(steps.widest_e):
         likely = Likely.of(correlator, prior, best)
         position = PositionQuadrature.over(correlator, likely)
         shapes = _coordinates(likely.ellipticity, likely.log_scale_length)
         starts = np.vstack([starts, shapes])
     else:
         position = PositionQuadrature.about(correlator, best, search_radius(correlator, prior))
-    axes = _axes(shape_covariance(best), widest_e)
-    most = MOST_POINTS if math.isinf(widest_e) else MOST_FINE_POINTS
+    axes = _axes(shape_covariance(best), steps)
     for _ in range(_MOST_ATTEMPTS):
-        samples = _Lattice(position, prior, starts, axes, share, most).flood()
+        samples = _Lattice(position, prior, starts, axes, share, steps.most_points).flood()
         found = _covariance(samples)
         if not samples.is_covered:
-            axes = _axes(_GROWTH**2 * found, widest_e)
+            axes = _axes(_GROWTH**2 * found, steps)
             continue
         narrow = np.diag(_in_steps(axes, found)) < _NARROWEST**2
         if not narrow.any():
@@ -89,16 +105,16 @@ def sample_posterior(
     return samples
 
 
-def _axes(covariance: Float[Array, "3 3"], widest_e: float) -> Float[Array, "3 3"]:
+def _axes(covariance: Float[Array, "3 3"], steps: Steps) -> Float[Array, "3 3"]:
     """Give the steps along the axes of e, the size following, and along ln alpha alone, as columns."""
     values, vectors = np.linalg.eigh(covariance[:2, :2])
-    of_e = STEP * np.sqrt(np.clip(values, _SHARPEST**2, _WIDEST**2))
+    of_e = steps.relative * np.sqrt(np.clip(values, _SHARPEST**2, _WIDEST**2))
     slope = (vectors.T @ covariance[:2, 2]) / np.maximum(values, _SHARPEST**2)
     given_e = covariance[2, 2] - slope**2 @ values
     axes = np.zeros((3, 3))
     axes[:2, :2], axes[2, :2] = vectors, slope
-    axes[:, :2] *= np.minimum(of_e, widest_e)
-    axes[2, 2] = STEP * math.sqrt(min(max(given_e, _SHARPEST**2), _WIDEST**2))
+    axes[:, :2] *= np.minimum(of_e, steps.widest_e)
+    axes[2, 2] = steps.relative * math.sqrt(min(max(given_e, _SHARPEST**2), _WIDEST**2))
     return axes
 
 
@@ -137,14 +153,16 @@ class _Lattice:
         # The edge of the disc may cut off the best fit itself: begin with its neighbours too.
         frontier = self._new_points(np.vstack([np.rint(away).astype(int), _NEIGHBOURS]))
         found: list[tuple[Array, Array, Array, MarginalLikelihood]] = []
+        points: list[Int[Array, "point 3"]] = []
         highest = -math.inf
         while len(frontier) and len(self._seen) < self._most:
             e, size, log_density, marginal = self._evaluate(frontier)
             found.append((e, size, log_density, marginal))
+            points.append(frontier)
             highest = max(highest, float(log_density.max()))
             inner = frontier[log_density > highest - DEPTH]
             frontier = self._new_points((inner[:, None, :] + _NEIGHBOURS).reshape(-1, 3))
-        return _collect(found, is_covered=len(frontier) == 0)
+        return self._collect(found, np.concatenate(points), is_covered=len(frontier) == 0)
 
     def _new_points(self, points: Int[Array, "point 3"]) -> Int[Array, "new 3"]:
         new = [p for p in dict.fromkeys(map(tuple, points.tolist())) if p not in self._seen]
@@ -171,28 +189,34 @@ class _Lattice:
         log_density = self._share * marginal.log_likelihood + log_prior
         return e, size, log_density, marginal
 
+    def _collect(
+        self,
+        found: list[tuple[Array, Array, Array, MarginalLikelihood]],
+        points: Int[Array, "sample 3"],
+        *,
+        is_covered: bool,
+    ) -> PosteriorSamples:
+        e, sizes, log_density, marginals = zip(*found, strict=True)
+        density = np.concatenate(log_density)
+        probability = np.exp(density - density.max())
+        return PosteriorSamples(
+            ellipticity=np.concatenate(e),
+            log_scale_length=np.concatenate(sizes),
+            probability=probability / probability.sum(),
+            given_shape=MarginalLikelihood(
+                *(
+                    np.concatenate([getattr(m, name) for m in marginals])
+                    for name in MarginalLikelihood.__dataclass_fields__
+                )
+            ),
+            is_covered=is_covered,
+            point=points,
+            origin=self._origin,
+            axes=self._axes,
+        )
+
 
 def _coordinates(
     e: Complex[Array, " sample"], log_scale_length: Float[Array, " sample"]
 ) -> Float[Array, "sample 3"]:
     return np.stack([e.real, e.imag, log_scale_length], axis=-1)
-
-
-def _collect(
-    found: list[tuple[Array, Array, Array, MarginalLikelihood]], *, is_covered: bool
-) -> PosteriorSamples:
-    e, sizes, log_density, marginals = zip(*found, strict=True)
-    density = np.concatenate(log_density)
-    probability = np.exp(density - density.max())
-    return PosteriorSamples(
-        ellipticity=np.concatenate(e),
-        log_scale_length=np.concatenate(sizes),
-        probability=probability / probability.sum(),
-        given_shape=MarginalLikelihood(
-            *(
-                np.concatenate([getattr(m, name) for m in marginals])
-                for name in MarginalLikelihood.__dataclass_fields__
-            )
-        ),
-        is_covered=is_covered,
-    )

@@ -15,11 +15,16 @@ the density of (e, ln alpha, S) is p(e_s) r^2 p(ln alpha_s | S) p(S), p(e) per a
 
 with q and h taken at g_0, which is then put at g^ (Bernstein & Armstrong 2014, eq. 8 to 12, about g = 0; Sheldon 2014).
 About zero the core of the ellipticities, 0.07 wide, makes the third order matter: m = 0.01 at \|g\| = 0.03.
+
+The integral is taken over the unlensed e_s, where the population is at rest: its core, its kink at zero and its end are
+then met by nodes made for them, and it is the smooth likelihood that g moves. Between its own nodes, a lattice, the
+likelihood is a quintic spline, of its integrals over ln alpha and S.
 """
 
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.ndimage import distance_transform_edt, map_coordinates, spline_filter
 
 from uvshear.galaxy import (
     DiscEllipticityPrior,
@@ -27,14 +32,21 @@ from uvshear.galaxy import (
     PowerLawFlux,
     SizeFluxRelation,
 )
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Complex, Float, Int
 
-STEP = 0.005
-"""Of the differences in g."""
+STEP = 0.1
+"""Of the differences in g, over the standard deviation of e; no more than ``WIDEST_STEP``."""
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+WIDEST_STEP = 0.01
 _REACH = 5.0
-"""Standard deviations of the flux on either side."""
+"""Standard deviations of e and of the flux that are integrated over."""
+
+_RADII, _RADIAL = np.polynomial.legendre.leggauss(20)
+_ANGLES, _ANGULAR = np.polynomial.legendre.leggauss(32)
+_FLUXES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+_ORDER = 5
+_MARGIN = 4
+"""Nodes around the lattice's own, for the spline."""
 
 
 @dataclass(frozen=True)
@@ -48,54 +60,123 @@ class UnlensedPopulation:
 
 @dataclass(frozen=True)
 class ShapeLikelihood:
-    """Likelihood of one galaxy at nodes of a quadrature over (e, ln alpha) with equal weights.
+    """Likelihood of one galaxy on a lattice over (e, ln alpha).
 
     Parameters
     ----------
-    ellipticity, log_scale_length
-        The nodes; ln(scale length / rad).
+    point
+        Integer coordinates of the nodes.
+    origin, axes
+        The nodes are ``origin + axes @ point`` in (e1, e2, ln(alpha/rad)); the last axis is along ln alpha.
     log_likelihood
         With the flux integrated over all values, and the position.
     flux, flux_variance
         Mean and variance of the flux at each node [Jy].
     """
 
-    ellipticity: Complex[Array, " node"]
-    log_scale_length: Float[Array, " node"]
+    point: Int[Array, "node 3"]
+    origin: Float[Array, " 3"]
+    axes: Float[Array, "3 3"]
     log_likelihood: Float[Array, " node"]
     flux: Float[Array, " node"]
     flux_variance: Float[Array, " node"]
+
+    @property
+    def ellipticity(self) -> Complex[Array, " node"]:
+        """Of the nodes."""
+        first, second = (self.origin[:2] + self.point @ self.axes[:2].T).T
+        return first + 1j * second
+
+    @property
+    def log_scale_length(self) -> Float[Array, " node"]:
+        """Of the nodes."""
+        return self.origin[2] + self.point @ self.axes[2]
 
 
 def gradient_and_curvature(
     likelihood: ShapeLikelihood, population: UnlensedPopulation, about: complex
 ) -> tuple[Float[Array, " 2"], Float[Array, "2 2"]]:
     """Work out q and h of one galaxy at the shear ``about``; both zero where the population has no such galaxy."""
-    offsets = STEP * np.array([0, 1, -1, 1j, -1j, 1 + 1j, -1 - 1j, 1 - 1j, -1 + 1j])
-    e = likelihood.ellipticity
-    centre = _log_stretch(e, about)
-    weight = np.exp(likelihood.log_likelihood - likelihood.log_likelihood.max())
-    sizes = _size_and_flux(likelihood, population, centre)
-    evidence = np.empty(len(offsets))
-    for k, offset in enumerate(offsets):
-        g = about + offset
-        further = _log_stretch(e, g) - centre
-        unlensed = (e - g) / (1 - np.conj(g) * e)
-        density = np.exp(population.ellipticity.log_density(unlensed) + 4 * (centre + further))
-        by_size = sizes[0] + further * sizes[1] + 0.5 * further**2 * sizes[2]
-        evidence[k] = np.sum(weight * density * by_size)
-    p, right, left, up, down, ne, sw, se, nw = evidence.tolist()
+    surface = _Surface(likelihood, population, about)
+    unlensed, weight = _nodes(population.ellipticity, surface, about)
+    step = min(STEP * surface.sigma, WIDEST_STEP)
+    offsets = step * np.array([0, 1, -1, 1j, -1j, 1 + 1j, -1 - 1j, 1 - 1j, -1 + 1j])
+    evidence = [float(weight @ surface.at(unlensed, about + offset)) for offset in offsets]
+    p, right, left, up, down, ne, sw, se, nw = evidence
     if not p > 0:
         return np.zeros(2), np.zeros((2, 2))
-    q = np.array([right - left, up - down]) / (2 * STEP * p)
-    mixed = (ne + sw - se - nw) / (4 * STEP**2 * p)
+    q = np.array([right - left, up - down]) / (2 * step * p)
+    mixed = (ne + sw - se - nw) / (4 * step**2 * p)
     second = np.array(
         [
-            [(right + left - 2 * p) / (STEP**2 * p), mixed],
-            [mixed, (up + down - 2 * p) / (STEP**2 * p)],
+            [(right + left - 2 * p) / (step**2 * p), mixed],
+            [mixed, (up + down - 2 * p) / (step**2 * p)],
         ]
     )
     return q, np.outer(q, q) - second
+
+
+class _Surface:
+    """Likelihood times the prior of the size, both integrated over size and flux, as a function of e and g."""
+
+    def __init__(
+        self, likelihood: ShapeLikelihood, population: UnlensedPopulation, about: complex
+    ) -> None:
+        e, weight = (
+            likelihood.ellipticity,
+            np.exp(likelihood.log_likelihood - likelihood.log_likelihood.max()),
+        )
+        self._about = about
+        sizes = _size_and_flux(likelihood, population, _log_stretch(e, about))
+        columns = likelihood.point[:, :2]
+        low = columns.min(axis=0) - _MARGIN
+        shape = tuple(np.ptp(columns, axis=0) + 2 * _MARGIN + 1)
+        flat = np.ravel_multi_index(tuple((columns - low).T), shape)
+        count = int(np.prod(shape))
+        seen = np.bincount(flat, minlength=count).reshape(shape) > 0
+        _, nearest = distance_transform_edt(~seen, return_indices=True)
+        self._splines = [
+            spline_filter(
+                np.bincount(flat, weight * one, minlength=count).reshape(shape)[tuple(nearest)],
+                _ORDER,
+            )
+            for one in sizes
+        ]
+        # The last axis has no part in e.
+        self._to_column = np.linalg.inv(likelihood.axes[:2, :2])
+        self._first = likelihood.origin[:2] + likelihood.axes[:2, :2] @ low
+        total = weight * sizes[0]
+        mass = total.sum()
+        self.mean = complex((total * e).sum() / mass) if mass > 0 else 0j
+        spread = float((total * np.abs(e - self.mean) ** 2).sum() / mass) if mass > 0 else 0.0
+        self.sigma = max(np.sqrt(spread / 2), 1e-4)
+        self.reach = _REACH * self.sigma
+
+    def at(self, unlensed: Complex[Array, " node"], g: complex) -> Float[Array, " node"]:
+        """Evaluate where the shear takes galaxies of these ellipticities."""
+        e = (unlensed + g) / (1 + np.conj(g) * unlensed)
+        further = _log_stretch(e, g) - _log_stretch(e, self._about)
+        place = self._to_column @ (np.stack([e.real, e.imag]) - self._first[:, None])
+        value, slope, bend = (
+            map_coordinates(one, place, order=_ORDER, prefilter=False, mode="nearest")
+            for one in self._splines
+        )
+        return value + further * slope + 0.5 * further**2 * bend
+
+
+def _nodes(
+    prior: EllipticityPrior, surface: _Surface, about: complex
+) -> tuple[Complex[Array, " node"], Float[Array, " node"]]:
+    """Polar nodes over the population's disc where the likelihood is, with the prior in their weights."""
+    centre = (surface.mean - about) / (1 - np.conj(about) * surface.mean)
+    middle = abs(centre)
+    low, high = max(middle - surface.reach, 0.0), min(middle + surface.reach, prior.maximum)
+    radius = low + (high - low) * (_RADII + 1) / 2
+    radial = _RADIAL * (high - low) / 2 * prior.modulus_density(radius)
+    half = np.pi if surface.reach >= middle else min(np.arcsin(surface.reach / middle), np.pi)
+    angle = np.angle(centre) + half * _ANGLES
+    nodes = radius[:, None] * np.exp(1j * angle)
+    return nodes.ravel(), np.outer(radial, half * _ANGULAR / (2 * np.pi)).ravel()
 
 
 def _log_stretch(e: Complex[Array, " node"], g: complex) -> Float[Array, " node"]:
@@ -114,7 +195,7 @@ def _size_and_flux(
     if not low < high:
         nothing = np.zeros_like(flux)
         return nothing, nothing, nothing
-    s = low + (high - low) * (_NODES + 1) / 2
+    s = low + (high - low) * (_FLUXES + 1) / 2
     prior = _WEIGHTS * law.density(s) * (high - low) / 2
     away = (s - flux[:, None]) / sigma[:, None]
     given = np.exp(-0.5 * away**2) / sigma[:, None] * prior

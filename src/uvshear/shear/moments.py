@@ -1,7 +1,5 @@
 """Shear from moments of visibility functions: sum of the moments over the sum of their responses."""
 
-import numpy as np
-
 from uvshear.typing import Array, Float
 
 ELLIPTICITY_SCATTER = 0.3
@@ -12,7 +10,7 @@ RESPONSE = 1.5
 
 
 def moment_weight(
-    flux: float | Float[Array, " source"], variance: float | Float[Array, " source"]
+    flux: Float[Array, " source"], variance: Float[Array, " source"]
 ) -> Float[Array, " source"]:
     r"""Weight of a galaxy's moments, from its catalogue's flux [Jy] and the noise variance of M [Jy^2].
 
@@ -20,5 +18,5 @@ def moment_weight(
 
     A function of what neither the shear nor the noise of the moments changes: a fitted flux would not do.
     """
-    response = RESPONSE * np.asarray(flux)
+    response = RESPONSE * flux
     return response / (ELLIPTICITY_SCATTER**2 * response**2 + variance)
