@@ -28,6 +28,9 @@ BLOCK = 50
 PILOT, PILOT_ROUNDS = 500, 2
 """Galaxies and rounds that an expanded estimator's first guess of the shear takes."""
 
+FITTED = Exponential()
+"""Profile that the cut by signal-to-noise ratio takes, whatever the true one."""
+
 FLUX_BINS = (10.0, 20.0, 50.0, 200.0)
 """Edges [uJy]."""
 
@@ -194,7 +197,7 @@ def sums_of(
         stage = experiment.beam.stage(prior.log_scale_length, prior.log_scale_length_sigma)
         noise = stage.noise(rng)
         flux = float(galaxies.flux[k])
-        if flux * stage.snr_of_jansky(prior, experiment.profile) < experiment.snr_min:
+        if flux * stage.snr_of_jansky(prior, FITTED) < experiment.snr_min:
             continue
         count[row[k]] += 1
         for column, shear in enumerate(about):
