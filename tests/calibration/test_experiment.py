@@ -102,7 +102,7 @@ def test_the_papers_shear_moves_no_sizes_and_shows_it(bright, moments):
 
 
 def test_the_mean_of_faint_galaxies_is_biased_by_noise(beam, moments):
-    """And moments of the same galaxies with the same noise are not: the paper's estimator loses a third of the shear."""
+    """And moments of the same galaxies with the same noise are not; the mean loses a third of the shear."""
     population = Population(flux=PowerLawFlux(minimum=10e-6, maximum=15e-6))
     faint = Experiment(beam, SHEARS, population=population, seed=5)
     mean = sums_of(faint, MeanEstimator(), SHEARS, 0, 30).values.sum(axis=0)

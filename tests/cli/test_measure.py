@@ -17,6 +17,7 @@ from uvshear.cli.measure import ExtractionName, FacetName, extraction_of
 from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
 from uvshear.extraction.exact import ExactFacets
 from uvshear.io.shapes import COLUMNS, read_shapes
+from uvshear.io.statistics import statistics_path
 from uvshear.measurement import ConvergedExtraction, MeasurementOptions, PaperExtraction
 from uvshear.measurement.options import default_extraction
 
@@ -302,3 +303,21 @@ def test_real_sets_are_measured_at_the_phase_centre(
     outcome = uvshear(*words)
     assert outcome.status == 0, outcome.err
     assert len(read_shapes(output)) == 1
+
+
+def test_moments_are_kept_beside_the_shapes(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path
+) -> None:
+    output = tmp_path / "shapes.ecsv"
+    words = ("measure", field, "--catalogue", catalogue, "-o", output, "--keep", "moments")
+    outcome = uvshear(*words)
+    assert outcome.status == 0, outcome.err
+    kept = Table.read(statistics_path(output))
+    assert kept["id"].tolist() == [1, 2, 3]
+    assert kept["m1"].unit == units.Jy
+    assert np.all(kept["m1_var"] > 0)
+    assert uvshear(*words, "--extraction", "paper", "--overwrite").status == 2
+    assert "is not known" in uvshear(*words[:-1], "spin", "--overwrite").err
+    again = uvshear(*words)
+    assert again.status == 2
+    assert "exists already" in again.err

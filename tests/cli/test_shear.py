@@ -4,10 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from astropy.table import Table
 
 from uvshear import __version__
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.io.shapes import COLUMNS, DERIVED, shapes_table, write_shapes
+from uvshear.io.statistics import statistics_path, write_statistics
 
 
 @pytest.fixture
@@ -78,3 +80,43 @@ def test_a_wrong_input_is_named_and_nothing_written(
     assert message in outcome.err
     assert outcome.err.count("\n") == 1
     assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.fixture
+def kept(shapes: Path) -> Path:
+    """Moments beside the shapes: of shear 0.04, -0.03 without noise of their own."""
+    rng = np.random.default_rng(9)
+    n = 200
+    response = rng.uniform(1, 2, n)
+    table = Table({"id": np.arange(n)})
+    values = {"m1": 0.04 * response, "m2": -0.03 * response, "m_size": response}
+    values |= {"r11": response, "r12": 0 * response, "r22": response}
+    values |= {"m1_var": np.ones(n), "m2_var": np.ones(n), "m12_cov": np.zeros(n)}
+    for name, column in values.items():
+        table[name] = column
+    write_statistics(statistics_path(shapes), table)
+    return shapes
+
+
+def test_moments_kept_become_a_shear(uvshear: Callable, tmp_path: Path, kept: Path) -> None:
+    output = tmp_path / "shear.json"
+    assert uvshear("shear", kept, "--estimator", "moments", "-o", output).status == 0
+    estimate = json.loads(output.read_text())
+    assert estimate["estimator"] == "moments"
+    assert estimate["n"] == 200
+    assert estimate["g1"] == pytest.approx(0.04)
+    assert estimate["g2"] == pytest.approx(-0.03)
+
+
+def test_moments_that_were_not_kept_are_asked_for(uvshear: Callable, shapes: Path) -> None:
+    outcome = uvshear("shear", shapes, "--estimator", "moments")
+    assert outcome.status == 2
+    assert "measure again with --keep moments" in outcome.err
+
+
+def test_moments_of_another_table_are_refused(uvshear: Callable, kept: Path) -> None:
+    path = statistics_path(kept)
+    write_statistics(path, Table.read(path)[:-1], overwrite=True)
+    outcome = uvshear("shear", kept, "--estimator", "moments")
+    assert outcome.status == 2
+    assert "has 199 rows" in outcome.err

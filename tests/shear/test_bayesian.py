@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from uvshear.constants import ARCSEC, MICROJANSKY
+from uvshear.constants import MICROJANSKY
 from uvshear.geometry.ellipticity import add_shear
 from uvshear.shear.bayesian import ShapeLikelihood, UnlensedPopulation, gradient_and_curvature
 

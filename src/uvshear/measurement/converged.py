@@ -310,6 +310,8 @@ class _Run:
         return measurements
 
     def _keep(self, k: int, facet: Facet, cutout: Cutout) -> None:
+        if not np.any(facet.power > 0):
+            return
         numbers: dict[str, float] = {}
         for statistic in self._options.keep:
             numbers.update(statistic.of(facet, cutout))

@@ -1,0 +1,49 @@
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from uvshear import __version__
+
+QUICK = ["--galaxies", "100", "--integration-s", "3600", "--seed", "2", "--threads", "1"]
+FIELDS = ("m1", "m1_err", "m2", "m2_err", "c1", "c1_err", "c2", "c2_err", "n")
+
+
+def test_the_bias_of_moments_is_told_and_written(uvshear: Callable, tmp_path: Path) -> None:
+    output = tmp_path / "bias.json"
+    words = ("--shear", "0.03", "--snr-min", "15")
+    outcome = uvshear("bias", "--estimator", "moments", *QUICK, *words, "-o", output)
+    assert outcome.status == 0, outcome.err
+    record = json.loads(output.read_text())
+    assert set(FIELDS) | {"snr_min", "seed", "version"} <= set(record)
+    assert (record["snr_min"], record["seed"], record["version"]) == (15.0, 2, __version__)
+    assert abs(record["m1"]) < 0.005
+    assert record["m1_err"] < 0.003
+    assert abs(record["c1"]) < 5e-4
+    assert sum(one["n"] for one in record["bins"]) == record["n"] < 100
+    assert [one["flux"] for one in record["bins"]] == [
+        "10-20 uJy",
+        "20-50 uJy",
+        "50-200 uJy",
+    ]
+    assert f"m1 = {record['m1']:+.5f}" in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--shear", "1.5"], "--shear 1.5: |g| below 1 is needed"),
+        (["--layout", "no-such-array"], "no-such-array"),
+        (["--position-error-arcsec", "3"], "bear up to"),
+    ],
+)
+def test_a_wrong_call_is_one_line(
+    uvshear: Callable, tmp_path: Path, words: list[str], message: str
+) -> None:
+    output = tmp_path / "bias.json"
+    outcome = uvshear("bias", "--estimator", "moments", *QUICK, *words, "-o", output)
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+    assert not output.exists()
