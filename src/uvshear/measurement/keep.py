@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from uvshear.extraction.cutout import Cutout
-from uvshear.fit.moments import MomentFunctional
+from uvshear.fit.moments import REACH, SCALE, MomentFunctional
 from uvshear.interferometer.facet import Facet
 
 
@@ -47,7 +47,8 @@ class MomentStatistic(Statistic):
 
     def _functional(self, facet: Facet, cutout: Cutout) -> MomentFunctional:
         # Sources of one size and one beam share its power, all but for long baselines that moments do not take.
-        key = cutout.size, cutout.pixel, float(facet.power[0])
+        longest = min(cutout.longest, 1.5 * REACH * SCALE)
+        key = cutout.size, longest, float(facet.power[0])
         if key not in self._functionals:
             width = cutout.size * cutout.pixel
             self._functionals[key] = MomentFunctional(
