@@ -8,11 +8,11 @@ import numpy as np
 from uvshear.calibration.isolated import Stage
 from uvshear.fit.likelihood import sample_likelihood
 from uvshear.fit.measurement import FitFlag
-from uvshear.fit.moments import MomentFunctional
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import measure_shape
 from uvshear.galaxy import DiscEllipticityPrior, EllipticityPrior, Exponential, Profile
 from uvshear.interferometer.facet import Facet
+from uvshear.measurement.keep import MomentStatistic
 from uvshear.shear.bayesian import (
     ShapeLikelihood,
     UnlensedPopulation,
@@ -78,26 +78,23 @@ class MeanEstimator(Estimator):
         return weight * shape.ellipticity, weight * np.eye(2)
 
 
-@dataclass(frozen=True)
 class MomentEstimator(Estimator):
     """Moments of the visibility function, linear in the data."""
 
-    position_sigma: float = 0.0
     name: str = "moments"
-    _functionals: dict[int, MomentFunctional] = field(default_factory=dict)
+
+    def __init__(self, position_sigma: float = 0.0) -> None:
+        """``position_sigma`` is the error of the catalogue's position in l and in m [rad]."""
+        self._statistic = MomentStatistic(position_sigma)
 
     def term(self, seen: Seen) -> Term | None:
         """M_1, M_2 and their derivatives by the shear, weighed by the catalogue's flux."""
-        key = id(seen.stage)
-        if key not in self._functionals:
-            stage = seen.stage
-            self._functionals[key] = MomentFunctional(
-                stage.cutout.uv, stage.power, stage.width, self.position_sigma
-            )
-        moments = self._functionals[key].measure(seen.facet.correlation)
-        noise = moments.covariance[0, 0]
+        kept = self._statistic.of(seen.facet, seen.stage.cutout)
+        noise = (kept["m1_var"] + kept["m2_var"]) / 2
         weight = float(moment_weight(np.array([seen.flux]), np.array([noise]))[0])
-        return weight * moments.shape, weight * moments.response
+        value = np.array([kept["m1"], kept["m2"]])
+        response = np.array([[kept["r11"], kept["r12"]], [kept["r12"], kept["r22"]]])
+        return weight * value, weight * response
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ from uvshear.extraction.cutout import Cutout
 from uvshear.fit.moments import REACH, SCALE, MomentFunctional
 from uvshear.interferometer.facet import Facet
 
+_Key = tuple[int, float, float]
+
 
 class Statistic(ABC):
     """Numbers of a source, from the facet that its shape is measured on."""
@@ -28,7 +30,8 @@ class MomentStatistic(Statistic):
     def __init__(self, position_sigma: float = 0.0) -> None:
         """``position_sigma`` is the error of the catalogue's position in l and in m [rad]."""
         self._position_sigma = position_sigma
-        self._functionals: dict[tuple[int, float, float], MomentFunctional] = {}
+        self._functionals: dict[_Key, MomentFunctional] = {}
+        self._on_cells: dict[tuple[_Key, Cutout], MomentFunctional] = {}
 
     def of(self, facet: Facet, cutout: Cutout) -> Mapping[str, float]:
         """Measure them."""
@@ -54,4 +57,6 @@ class MomentStatistic(Statistic):
             self._functionals[key] = MomentFunctional(
                 facet.uv, np.asarray(facet.power, float), width, self._position_sigma
             )
-        return self._functionals[key]
+        if (key, cutout) not in self._on_cells:
+            self._on_cells[key, cutout] = self._functionals[key].on(facet.uv)
+        return self._on_cells[key, cutout]
