@@ -84,6 +84,7 @@ def sample_posterior(
     ``most_points`` do not cover it.
     """
     starts = _coordinates(np.array([best.ellipticity]), np.array([best.log_scale_length]))
+    # Where steps are bounded, a population's prior has left no far peaks.
     if best.snr < FAINT and math.isinf(steps.widest_e):
         likely = Likely.of(correlator, prior, best)
         position = PositionQuadrature.over(correlator, likely)
