@@ -153,7 +153,9 @@ def test_what_is_drawn_is_what_visibilities_come_to(beam):
 
     size = Population().size.prior(sky.flux)
     stage = beam.stage(float(size.log_median[0]), float(size.sigma[0]))
-    functional = MomentFunctional(stage.cutout.uv, stage.power, stage.width)
+    functional = MomentFunctional(
+        stage.cutout.uv, stage.power, stage.cutout.size * stage.cutout.pixel
+    )
     galaxy = GalaxyFit(flux, np.zeros(2), e, alpha, 0.0)
     nothing = np.zeros(len(stage.power), complex)
     drawn = functional.measure(stage.facet(galaxy, Exponential(), nothing).correlation)

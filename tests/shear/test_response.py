@@ -5,7 +5,7 @@ import pytest
 
 from uvshear.errors import InputError
 from uvshear.shear.moments import moment_weight
-from uvshear.shear.response import Responses, jackknife
+from uvshear.shear.response import Responses
 
 
 def _responses(g, number, rng, about=0j):
@@ -32,13 +32,6 @@ def test_the_jackknifes_error_is_the_scatter_of_repetitions():
     repeated = [_responses(0.02 + 0j, 300, rng).shear("x") for _ in range(200)]
     scatter = np.std([one.g1 for one in repeated])
     assert np.mean([one.g1_err for one in repeated]) == pytest.approx(scatter, rel=0.2)
-
-
-def test_a_mean_of_ellipticities_is_a_ratio_whose_response_is_the_weight():
-    e, weight = np.array([[0.1, 0.2], [0.3, -0.2]]), np.array([1.0, 3.0])
-    value = Responses.scalar(e, weight)
-    g, _ = jackknife(value.value, value.response)
-    np.testing.assert_allclose(g, [0.25, -0.1])
 
 
 def test_weights_count_galaxies():

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uvshear.shear.response import jackknife_error
 from uvshear.typing import Array, Float
 
 
@@ -25,6 +26,8 @@ class Bias:
         Of both components.
     n
         Galaxies, each measured several times.
+    failed
+        Measurements that came to nothing, and are left out.
     """
 
     name: str
@@ -33,6 +36,7 @@ class Bias:
     c: Float[Array, " 2"]
     c_err: Float[Array, " 2"]
     n: int
+    failed: int = 0
 
     def record(self) -> dict[str, float | int]:
         """Flat numbers for a file."""
@@ -46,6 +50,7 @@ class Bias:
             "c2": float(self.c[1]),
             "c2_err": float(self.c_err[1]),
             "n": self.n,
+            "failed": self.failed,
         }
 
 
@@ -64,6 +69,7 @@ def fit_bias(
     about: Sequence[complex],
     values: Float[Array, "block shear 6"],
     n: int,
+    failed: int = 0,
 ) -> Bias:
     """Fit m and c to ``shears`` that add up to zero, from sums over blocks of galaxies."""
     g = np.array([[shear.real, shear.imag] for shear in shears])
@@ -74,7 +80,5 @@ def fit_bias(
         return np.concatenate([m, found.mean(axis=-2)], axis=-1)
 
     total = values.sum(axis=0)
-    best, left = fit(total), fit(total - values)
-    count = len(values)
-    error = np.sqrt((count - 1) / count * np.sum((left - left.mean(axis=0)) ** 2, axis=0))
-    return Bias(name, best[:2], error[:2], best[2:], error[2:], n)
+    best, error = fit(total), jackknife_error(fit(total - values))
+    return Bias(name, best[:2], error[:2], best[2:], error[2:], n, failed)

@@ -52,7 +52,6 @@ class Seen:
 class Estimator(ABC):
     """From a facet to what is summed."""
 
-    name: str
     is_expanded: bool = False
     """Whether its numbers count from an estimate of the shear."""
 
@@ -67,7 +66,6 @@ class MeanEstimator(Estimator):
 
     profile: Profile = field(default_factory=Exponential)
     population: EllipticityPrior = field(default_factory=DiscEllipticityPrior)
-    name: str = "mean"
 
     def term(self, seen: Seen) -> Term | None:
         """Ellipticity times lensfit's weight, and the weight."""
@@ -80,8 +78,6 @@ class MeanEstimator(Estimator):
 
 class MomentEstimator(Estimator):
     """Moments of the visibility function, linear in the data."""
-
-    name: str = "moments"
 
     def __init__(self, position_sigma: float = 0.0) -> None:
         """``position_sigma`` is the error of the catalogue's position in l and in m [rad]."""
@@ -103,7 +99,6 @@ class BayesianEstimator(Estimator):
 
     profile: Profile = field(default_factory=Exponential)
     population: UnlensedPopulation = field(default_factory=UnlensedPopulation)
-    name: str = "bayesian"
     is_expanded: bool = True
 
     def term(self, seen: Seen) -> Term | None:

@@ -99,11 +99,11 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Sums:
-    """Sums of an estimator's numbers over the galaxies of a block, how many these are, and how many failed."""
+    """Sums of an estimator's numbers over the galaxies of a block, how many these are, and measurements that failed."""
 
     values: Float[Array, "bin shear 6"]
     count: Float[Array, " bin"]
-    failed: int
+    failed: Float[Array, " bin"]
 
 
 def calibrate(
@@ -124,10 +124,11 @@ def calibrate(
     values = np.array([block.values for block in blocks])
     count = np.array([block.count for block in blocks]).sum(axis=0)
     shears = experiment.shears
-    named = [("all", values.sum(axis=1), int(count.sum()))]
+    failed = np.array([block.failed for block in blocks]).sum(axis=0)
+    named = [("all", values.sum(axis=1), int(count.sum()), int(failed.sum()))]
     for k, (low, high) in enumerate(pairwise(FLUX_BINS)):
-        named.append((f"{low:g}-{high:g} uJy", values[:, k], int(count[k])))
-    return [fit_bias(name, shears, about, part, n) for name, part, n in named if n > 1]
+        named.append((f"{low:g}-{high:g} uJy", values[:, k], int(count[k]), int(failed[k])))
+    return [fit_bias(name, shears, about, part, n, bad) for name, part, n, bad in named if n > 1]
 
 
 def _run(
@@ -191,7 +192,7 @@ def sums_of(
     row = np.clip(np.searchsorted(edges, galaxies.flux, side="right") - 1, 0, len(edges) - 2)
     versions = experiment.versions(galaxies)
     values = np.zeros((len(edges) - 1, len(about), 6))
-    count, failed = np.zeros(len(edges) - 1), 0
+    count, failed = np.zeros(len(edges) - 1), np.zeros(len(edges) - 1)
     for k in range(number):
         prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
         stage = experiment.beam.stage(prior.log_scale_length, prior.log_scale_length_sigma)
@@ -207,7 +208,7 @@ def sums_of(
                     facet = stage.facet(galaxy, experiment.profile, sign * noise)
                     term = estimator.term(Seen(facet, stage, prior, flux, shear))
                     if term is None:
-                        failed += 1
+                        failed[row[k]] += 1
                     else:
                         values[row[k], column] += np.concatenate([term[0], term[1].ravel()])
     return Sums(values, count, failed)

@@ -38,11 +38,6 @@ class Stage:
     cutout: Cutout
     power: Float[Array, " cell"]
 
-    @property
-    def width(self) -> float:
-        """Of the facet [rad]."""
-        return self.cutout.size * self.cutout.pixel
-
     def noise(self, rng: np.random.Generator) -> Complex[Array, " cell"]:
         """Draw noise [Jy^-1] of variance ``power`` in each component."""
         first, second = rng.standard_normal((2, len(self.power)))

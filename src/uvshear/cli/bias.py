@@ -168,7 +168,8 @@ def describe(one: "Bias") -> str:
         for name, value, error in (("m", one.m, one.m_err), ("c", one.c, one.c_err))
         for i in (0, 1)
     ]
-    return f"{one.name}: {', '.join(parts)} ({one.n} galaxies)"
+    failures = f", {one.failed} measurements failed" if one.failed else ""
+    return f"{one.name}: {', '.join(parts)} ({one.n} galaxies{failures})"
 
 
 def estimator_of(name: CalibratedName, position_sigma: float) -> "Estimator":

@@ -29,11 +29,6 @@ class Responses:
     response: Float[Array, "source 2 2"]
     about: complex = 0j
 
-    @classmethod
-    def scalar(cls, value: Float[Array, "source 2"], weight: Float[Array, " source"]) -> Self:
-        """Weighted numbers whose response is their weight."""
-        return cls(weight[:, None] * value, weight[:, None, None] * np.eye(2))
-
     def weighted(self, weight: Float[Array, " source"]) -> Self:
         """Return the same, each galaxy counted by a weight."""
         return type(self)(
@@ -63,6 +58,13 @@ def jackknife(
     """Ratio of sums, and its error from leaving out each block once."""
     total, slope = value.sum(axis=0), response.sum(axis=0)
     left = np.linalg.solve(slope - response, (total - value)[..., None])[..., 0]
-    count = len(value)
-    error = np.sqrt((count - 1) / count * np.sum((left - left.mean(axis=0)) ** 2, axis=0))
-    return np.linalg.solve(slope, total), error
+    return np.linalg.solve(slope, total), jackknife_error(left)
+
+
+def jackknife_error(left: Float[Array, "block n"]) -> Float[Array, " n"]:
+    """Take the standard error from the estimates without each block in turn."""
+    count = len(left)
+    error: Float[Array, " n"] = np.sqrt(
+        (count - 1) / count * np.sum((left - left.mean(axis=0)) ** 2, axis=0)
+    )
+    return error
