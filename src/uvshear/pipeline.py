@@ -34,8 +34,10 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
 from uvshear.measurement import Extracted, Field, MeasurementOptions, Progress
-from uvshear.shear.mean import ShearEstimate, weighted_mean_shear
-from uvshear.shear.moments import moment_weight
+from uvshear.shear.bayesian import UnlensedPopulation
+from uvshear.shear.estimator import BayesianShear, MeanShear, MomentShear
+from uvshear.shear.mean import ShearEstimate
+from uvshear.shear.packing import PACKED, unpack
 from uvshear.shear.response import Responses
 from uvshear.shear.weight import lensfit_weight
 from uvshear.simulation.lensing import shear_galaxies
@@ -221,31 +223,50 @@ def tabulate(
     return shapes_table(columns, phase_centre, record=extracted.record)
 
 
-def estimate_shear(shapes: Table, *, snr_min: float = 0.0, seed: int = 1) -> ShearEstimate:
-    """Weighted mean ellipticity of the shapes with ``snr`` of at least ``snr_min``, its error by bootstrap."""
-    e = inside(shapes, "e1") + 1j * inside(shapes, "e2")
-    weight = inside(shapes, "weight")
-    bright = inside(shapes, "snr") >= snr_min
-    rng = np.random.default_rng(seed)
-    return weighted_mean_shear(e[bright], weight[bright], rng)
-
-
-def estimate_shear_by_moments(
-    shapes: Table, statistics: Table, *, snr_min: float = 0.0
+def estimate_shear(
+    shapes: Table, *, snr_min: float = 0.0, flux_min: float = 0.0, seed: int = 1
 ) -> ShearEstimate:
-    """Sum of moments over the sum of their responses, its error by a jackknife; ``statistics`` as kept.
+    """Weighted mean ellipticity of the shapes, its error by bootstrap; see :func:`selected` for the cuts."""
+    return mean_shear(shapes, seed).of(selected(shapes, snr_min=snr_min, flux_min=flux_min))
 
-    Galaxies with a flag have no part in it, nor those below ``snr_min``: a cut on what was measured, which shear and
-    noise move galaxies across.
-    """
+
+def mean_shear(shapes: Table, seed: int = 1) -> MeanShear:
+    """Estimator by the weighted mean of ellipticities."""
+    e = inside(shapes, "e1") + 1j * inside(shapes, "e2")
+    return MeanShear(e, inside(shapes, "weight"), seed)
+
+
+def moment_shear(shapes: Table, statistics: Table) -> MomentShear:
+    """Estimator by the sum of moments over the sum of their responses; ``statistics`` as kept."""
     value = np.stack([np.array(statistics[name], float) for name in ("m1", "m2")], axis=-1)
     r11, r12, r22 = (np.array(statistics[name], float) for name in ("r11", "r12", "r22"))
     response = np.stack([r11, r12, r12, r22], axis=-1).reshape(-1, 2, 2)
     variance = (np.array(statistics["m1_var"]) + np.array(statistics["m2_var"])) / 2
-    used = np.array(shapes["flag"] == "ok") & (inside(shapes, "snr") >= snr_min)
-    used &= np.isfinite(value).all(axis=-1)
-    weight = moment_weight(inside(shapes, "flux")[used], variance[used])
-    return Responses(value[used], response[used]).weighted(weight).shear("moments")
+    return MomentShear(Responses(value, response), variance, inside(shapes, "flux"))
+
+
+def bayesian_shear(
+    statistics: Table, population: UnlensedPopulation | None = None
+) -> BayesianShear:
+    """Estimator by likelihoods, ``statistics`` as kept, of galaxies from a population."""
+    packed = (
+        {name: np.asarray(value) for name, value in zip(PACKED, row, strict=True)}
+        for row in statistics.iterrows(*PACKED)
+    )
+    likelihoods = [unpack(one) if len(one["lattice"]) else None for one in packed]
+    return BayesianShear(likelihoods, population or UnlensedPopulation())
+
+
+def selected(
+    shapes: Table, *, snr_min: float = 0.0, flux_min: float = 0.0
+) -> Bool[Array, " source"]:
+    """Galaxies without a flag, with a measured ``snr`` and a catalogue's flux [Jy] of at least so much.
+
+    Shear and noise move galaxies across a cut by ``snr``, which biases any shear; a lens without magnification leaves
+    the flux.
+    """
+    chosen = np.array(shapes["flag"] == "ok") & (inside(shapes, "snr") >= snr_min)
+    return chosen & (inside(shapes, "flux") >= flux_min)
 
 
 def _prepare(

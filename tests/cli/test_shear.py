@@ -35,7 +35,9 @@ def test_the_shear_is_told_and_written(uvshear: Callable, tmp_path: Path, shapes
     outcome = uvshear("shear", shapes, "-o", output)
     assert outcome.status == 0, outcome.err
     estimate = json.loads(output.read_text())
-    assert list(estimate) == ["g1", "g1_err", "g2", "g2_err", "n", "estimator", "version"]
+    names = ["g1", "g1_err", "g2", "g2_err", "n", "estimator", "version", "calibration", "bins"]
+    assert list(estimate) == names
+    assert estimate["calibration"] is None
     assert estimate["n"] == 200
     assert estimate["estimator"] == "mean"
     assert estimate["version"] == __version__

@@ -130,7 +130,7 @@ def with_core():
 
 def _after(field, sky):
     interaction = field.interaction()
-    change = interaction.rendered(0, field.source(SKY, 0), field.source(sky, 0))
+    _, change = interaction.rendered(0, field.source(SKY, 0), field.source(sky, 0))
     interaction.add(0, change)
     interaction.change_flux(sky.flux - SKY.flux)
     return interaction
@@ -175,7 +175,8 @@ def test_what_was_added_and_taken_back_leaves_nothing(field):
     sky = CHANGES["flux"]
     interaction = _after(field, sky)
     whole = np.linalg.norm(field.seen_by(interaction, 1))
-    interaction.add(0, interaction.rendered(0, field.source(sky, 0), field.source(SKY, 0)))
+    _, back = interaction.rendered(0, field.source(sky, 0), field.source(SKY, 0))
+    interaction.add(0, back)
     interaction.change_flux(np.zeros(5))
     assert np.linalg.norm(field.seen_by(interaction, 1)) < 1e-5 * whole
 
@@ -185,7 +186,7 @@ def test_changes_of_several_sources_add_up(field):
     apart, together = [], field.interaction()
     for k, sky in zip((0, 2), skies, strict=True):
         alone = field.interaction()
-        change = alone.rendered(k, field.source(SKY, k), field.source(sky, k))
+        _, change = alone.rendered(k, field.source(SKY, k), field.source(sky, k))
         alone.add(k, change)
         together.add(k, change)
         apart.append(field.seen_by(alone, 1))
@@ -261,3 +262,10 @@ def test_without_short_baselines_there_is_no_cell_for_the_plateau(field):
     facet = np.zeros(len(plan.cutouts[3].uv), np.complex64)
     interaction.subtract_from(facet, 3)
     np.testing.assert_array_equal(facet, 0)
+
+
+@pytest.mark.parametrize("name", sorted(CHANGES))
+def test_a_change_is_told_in_units_of_the_noise(field, name):
+    sky = CHANGES[name]
+    told, _ = field.interaction().rendered(0, field.source(SKY, 0), field.source(sky, 0))
+    assert told == pytest.approx(field.significance(sky), rel=0.02)

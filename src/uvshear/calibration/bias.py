@@ -39,19 +39,15 @@ class Bias:
     failed: int = 0
 
     def record(self) -> dict[str, float | int]:
-        """Flat numbers for a file."""
-        return {
-            "m1": float(self.m[0]),
-            "m1_err": float(self.m_err[0]),
-            "m2": float(self.m[1]),
-            "m2_err": float(self.m_err[1]),
-            "c1": float(self.c[0]),
-            "c1_err": float(self.c_err[0]),
-            "c2": float(self.c[1]),
-            "c2_err": float(self.c_err[1]),
-            "n": self.n,
-            "failed": self.failed,
+        """Flat numbers for a file; those that were not found are left out."""
+        numbers = {
+            f"{name}{i + 1}{suffix}": float(value[i])
+            for name, best, error in (("m", self.m, self.m_err), ("c", self.c, self.c_err))
+            for i in (0, 1)
+            for suffix, value in (("", best), ("_err", error))
         }
+        found = {name: value for name, value in numbers.items() if np.isfinite(value)}
+        return found | {"n": self.n, "failed": self.failed}
 
 
 def shears_of(
@@ -71,12 +67,14 @@ def fit_bias(
     n: int,
     failed: int = 0,
 ) -> Bias:
-    """Fit m and c to ``shears`` that add up to zero, from sums over blocks of galaxies."""
+    """Fit m and c to ``shears`` that add up to zero, from sums over blocks of galaxies; m is NaN if all are zero."""
     g = np.array([[shear.real, shear.imag] for shear in shears])
+    length = np.sum(g**2, axis=0)
+    length[length == 0] = np.nan
 
     def fit(sums: Float[Array, "... shear 6"]) -> Float[Array, "... 4"]:
         found = shears_of(sums, about)
-        m = np.sum(g * found, axis=-2) / np.sum(g**2, axis=0) - 1
+        m = np.sum(g * found, axis=-2) / length - 1
         return np.concatenate([m, found.mean(axis=-2)], axis=-1)
 
     total = values.sum(axis=0)

@@ -1,23 +1,20 @@
 """Estimators of the shear as the calibration runs them: from a galaxy's facet to its term of two sums."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from uvshear.calibration.isolated import Stage
-from uvshear.fit.likelihood import sample_likelihood
 from uvshear.fit.measurement import FitFlag
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import measure_shape
 from uvshear.galaxy import DiscEllipticityPrior, EllipticityPrior, Exponential, Profile
 from uvshear.interferometer.facet import Facet
-from uvshear.measurement.keep import MomentStatistic
-from uvshear.shear.bayesian import (
-    ShapeLikelihood,
-    UnlensedPopulation,
-    gradient_and_curvature,
-)
+from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic
+from uvshear.shear.bayesian import UnlensedPopulation, gradient_and_curvature
+from uvshear.shear.hierarchy import fit_population
 from uvshear.shear.moments import moment_weight
 from uvshear.shear.weight import lensfit_weight
 from uvshear.typing import Array, Float
@@ -55,9 +52,16 @@ class Estimator(ABC):
     is_expanded: bool = False
     """Whether its numbers count from an estimate of the shear."""
 
+    is_learning: bool = False
+    """Whether it takes something from a sample first."""
+
     @abstractmethod
     def term(self, seen: Seen) -> Term | None:
         """Numbers and response of one galaxy; None where it has none."""
+
+    def learned(self, sample: Sequence[Seen]) -> "Estimator":
+        """Return it with what a sample has taught it."""
+        return self
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ class MomentEstimator(Estimator):
 
     def term(self, seen: Seen) -> Term | None:
         """M_1, M_2 and their derivatives by the shear, weighed by the catalogue's flux."""
-        kept = self._statistic.of(seen.facet, seen.stage.cutout)
+        kept = self._statistic.of(seen.facet, seen.stage.cutout, seen.prior)
         noise = (kept["m1_var"] + kept["m2_var"]) / 2
         weight = float(moment_weight(np.array([seen.flux]), np.array([noise]))[0])
         value = np.array([kept["m1"], kept["m2"]])
@@ -93,25 +97,36 @@ class MomentEstimator(Estimator):
         return weight * value, weight * response
 
 
-@dataclass(frozen=True)
 class BayesianEstimator(Estimator):
     """Gradient and curvature of the log probability of the data, about the current estimate of the shear."""
 
-    profile: Profile = field(default_factory=Exponential)
-    population: UnlensedPopulation = field(default_factory=UnlensedPopulation)
-    is_expanded: bool = True
+    is_expanded = True
+
+    def __init__(
+        self,
+        profile: Profile | None = None,
+        population: UnlensedPopulation | None = None,
+        *,
+        is_learning: bool = False,
+    ) -> None:
+        """``profile`` is what galaxies are fitted with, ``population`` what they are taken to come from.
+
+        One that is learning takes that for a start, and fits a population to its sample.
+        """
+        self._population = population or UnlensedPopulation()
+        self._profile, self.is_learning = profile, is_learning
+        self._statistic = LikelihoodStatistic(profile, self._population.ellipticity)
+
+    def learned(self, sample: Sequence[Seen]) -> "BayesianEstimator":
+        """Fit the population."""
+        found = [self._statistic.likelihood(s.facet, s.stage.cutout, s.prior) for s in sample]
+        likelihoods = [one for one in found if one is not None]
+        fitted = fit_population(likelihoods, self._population, sample[0].about)
+        return BayesianEstimator(self._profile, fitted.population)
 
     def term(self, seen: Seen) -> Term | None:
         """Both, of one galaxy."""
-        found = sample_likelihood(seen.facet, seen.prior, self.profile, self.population.ellipticity)
-        if found is None:
+        likelihood = self._statistic.likelihood(seen.facet, seen.stage.cutout, seen.prior)
+        if likelihood is None:
             return None
-        likelihood = ShapeLikelihood(
-            found.samples.point,
-            found.samples.origin,
-            found.samples.axes,
-            found.log_likelihood,
-            found.flux,
-            found.flux_variance,
-        )
-        return gradient_and_curvature(likelihood, self.population, seen.about)
+        return gradient_and_curvature(likelihood, self._population, seen.about)

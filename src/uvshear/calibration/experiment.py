@@ -11,13 +11,14 @@ from threadpoolctl import threadpool_limits
 
 from uvshear.calibration.bias import Bias, fit_bias, shears_of
 from uvshear.calibration.estimators import Estimator, Seen
-from uvshear.calibration.isolated import Beam
+from uvshear.calibration.isolated import Beam, Noise, Stage
 from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
 from uvshear.fit.measurement import GalaxyFit
 from uvshear.fit.prior import ShapePrior
 from uvshear.galaxy import Exponential, Galaxies, Profile, SizeFluxRelation
 from uvshear.measurement.extraction import Progress
+from uvshear.shear.estimator import FLUX_BINS
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.population import Population
 from uvshear.typing import Array, Float
@@ -28,11 +29,57 @@ BLOCK = 50
 PILOT, PILOT_ROUNDS = 500, 2
 """Galaxies and rounds that an expanded estimator's first guess of the shear takes."""
 
+PUPILS = 1500
+"""Galaxies that an estimator learns its population from."""
+
 FITTED = Exponential()
 """Profile that the cut by signal-to-noise ratio takes, whatever the true one."""
 
-FLUX_BINS = (10.0, 20.0, 50.0, 200.0)
-"""Edges [uJy]."""
+
+@dataclass(frozen=True)
+class Take:
+    """A look at galaxies: what is done to them before they are lensed, and to their noise."""
+
+    galaxies: Callable[[Galaxies], Galaxies]
+    noise: Callable[[Stage, Noise], Noise]
+
+
+def _as_drawn(galaxies: Galaxies) -> Galaxies:
+    return galaxies
+
+
+def _crossed(galaxies: Galaxies) -> Galaxies:
+    return replace(galaxies, ellipticity=-galaxies.ellipticity)
+
+
+def _turned(galaxies: Galaxies) -> Galaxies:
+    return replace(galaxies, l=-galaxies.m, m=galaxies.l, ellipticity=-galaxies.ellipticity)
+
+
+def _same(stage: Stage, noise: Noise) -> Noise:
+    return noise
+
+
+def _negative(stage: Stage, noise: Noise) -> Noise:
+    return -noise
+
+
+OPPOSITE = tuple(
+    Take(shape, noise) for shape in (_as_drawn, _crossed) for noise in (_same, _negative)
+)
+"""Ellipticities of both signs with noise of both signs: what is odd in either cancels."""
+
+
+def _turn(take: Take) -> Take:
+    return Take(
+        lambda galaxies: _turned(take.galaxies(galaxies)),
+        lambda stage, noise: stage.turned(take.noise(stage, noise)),
+    )
+
+
+TURNED = (*OPPOSITE, *(_turn(take) for take in OPPOSITE))
+"""And all of it, the noise too, turned by a right angle: without shear nothing is left but what the beam's own
+direction does. One galaxy tells as much of the additive bias as a hundred of the others."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +91,7 @@ class Experiment:
     beam
         Of the observation.
     shears
-        Reduced shears that add up to zero.
+        Reduced shears that add up to zero; a single zero leaves the additive bias alone.
     population
         Fluxes, sizes and ellipticities.
     profile
@@ -55,6 +102,8 @@ class Experiment:
         Relation that the estimator takes its prior of the size from.
     snr_min
         Galaxies whose catalogue flux makes for less, at the median size, are left out: no shear changes that.
+    flux_min
+        Catalogue flux below which galaxies are left out [Jy].
     position_sigma
         Errors of the catalogue's position, in l and in m [rad].
     seed
@@ -68,13 +117,18 @@ class Experiment:
     lens: Callable[[Galaxies, complex], Galaxies] = shear_galaxies
     size: SizeFluxRelation = field(default_factory=SizeFluxRelation)
     snr_min: float = 0.0
+    flux_min: float = 0.0
     position_sigma: float = 0.0
     seed: int = 1
 
     def __post_init__(self) -> None:
-        total = sum(self.shears)
-        if abs(total) > 1e-9 or not any(self.shears):
-            raise InputError("a calibration's shears add up to zero, and are not all zero")
+        if abs(sum(self.shears)) > 1e-9:
+            raise InputError("a calibration's shears add up to zero")
+
+    @property
+    def takes(self) -> tuple[Take, ...]:
+        """How often, and how, each galaxy is seen behind each shear."""
+        return OPPOSITE if any(self.shears) else TURNED
 
     def draw(self, number: int, rng: np.random.Generator) -> Galaxies:
         """Draw galaxies of the population in one place."""
@@ -90,11 +144,6 @@ class Experiment:
             ellipticity=modulus * turn,
             spectral_index=np.full(number, population.spectral_index),
         )
-
-    def versions(self, galaxies: Galaxies) -> list[list[Galaxies]]:
-        """Galaxies and the same turned by a right angle, each behind every shear."""
-        turned = replace(galaxies, ellipticity=-galaxies.ellipticity)
-        return [[self.lens(one, g) for g in self.shears] for one in (galaxies, turned)]
 
 
 @dataclass(frozen=True)
@@ -115,6 +164,10 @@ def calibrate(
 ) -> list[Bias]:
     """Bias of an estimator in total and by flux; the same whatever the number of processes."""
     about: Sequence[complex] = [0j] * len(experiment.shears)
+    if estimator.is_learning:
+        # Behind one shear, each with its noise once, as a survey has them; not those that are measured.
+        sample = looks(replace(experiment, shears=(0j,)), [0j], galaxies, PUPILS)
+        estimator = estimator.learned([seen for _, _, seen in list(sample)[::2]])
     if estimator.is_expanded:
         for _ in range(PILOT_ROUNDS):
             sums = _run(experiment, estimator, about, min(PILOT, galaxies), threads, None)
@@ -185,33 +238,44 @@ def sums_of(
     number: int,
 ) -> Sums:
     """Draw galaxies ``first`` and on; let the estimator see each behind every shear, expanded ``about`` it."""
+    edges = np.array(FLUX_BINS) * MICROJANSKY
+    values = np.zeros((len(edges) - 1, len(about), 6))
+    galaxies: list[set[int]] = [set() for _ in edges[1:]]
+    failed = np.zeros(len(edges) - 1)
+    for number_of, column, seen in looks(experiment, about, first, number):
+        row = int(np.clip(np.searchsorted(edges, seen.flux, side="right") - 1, 0, len(edges) - 2))
+        galaxies[row].add(number_of)
+        if (term := estimator.term(seen)) is None:
+            failed[row] += 1
+        else:
+            values[row, column] += np.concatenate([term[0], term[1].ravel()])
+    return Sums(values, np.array([float(len(one)) for one in galaxies]), failed)
+
+
+def looks(
+    experiment: Experiment, about: Sequence[complex], first: int, number: int
+) -> Iterator[tuple[int, int, Seen]]:
+    """Draw galaxies ``first`` and on, and look at each: its number, the shear's, and what is seen."""
     rng = np.random.default_rng([experiment.seed, first])
     galaxies = experiment.draw(number, rng)
     size = experiment.size.prior(galaxies.flux)
-    edges = np.array(FLUX_BINS) * MICROJANSKY
-    row = np.clip(np.searchsorted(edges, galaxies.flux, side="right") - 1, 0, len(edges) - 2)
-    versions = experiment.versions(galaxies)
-    values = np.zeros((len(edges) - 1, len(about), 6))
-    count, failed = np.zeros(len(edges) - 1), np.zeros(len(edges) - 1)
+    takes = [
+        ([experiment.lens(take.galaxies(galaxies), g) for g in experiment.shears], take.noise)
+        for take in experiment.takes
+    ]
     for k in range(number):
         prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
         stage = experiment.beam.stage(prior.log_scale_length, prior.log_scale_length_sigma)
         noise = stage.noise(rng)
         flux = float(galaxies.flux[k])
-        if flux * stage.snr_of_jansky(prior, FITTED) < experiment.snr_min:
+        bright = flux * stage.snr_of_jansky(prior, FITTED) >= experiment.snr_min
+        if not bright or flux < experiment.flux_min:
             continue
-        count[row[k]] += 1
         for column, shear in enumerate(about):
-            for one in versions:
-                galaxy = _galaxy(one[column], k)
-                for sign in (1, -1):
-                    facet = stage.facet(galaxy, experiment.profile, sign * noise)
-                    term = estimator.term(Seen(facet, stage, prior, flux, shear))
-                    if term is None:
-                        failed[row[k]] += 1
-                    else:
-                        values[row[k], column] += np.concatenate([term[0], term[1].ravel()])
-    return Sums(values, count, failed)
+            for lensed, altered in takes:
+                galaxy = _galaxy(lensed[column], k)
+                facet = stage.facet(galaxy, experiment.profile, altered(stage, noise))
+                yield k, column, Seen(facet, stage, prior, flux, shear)
 
 
 def _galaxy(galaxies: Galaxies, k: int) -> GalaxyFit:

@@ -6,9 +6,11 @@ visibilities are needed to draw it.
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Self
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from uvshear.extraction.beams import gather_beams, power_of
 from uvshear.extraction.cutout import Cutout, cutout, cutout_size
@@ -22,13 +24,17 @@ from uvshear.imaging.bands import OVERSAMPLING
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.spectrum import SpectralExpansion
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Bool, Complex, Float, Int
 
 SCALE_LENGTHS = 45.0
 """Width of a facet over the median scale length, as the extraction's."""
 
 WIDEST = 560
 """Pixels to a side at most: a beam's image ends somewhere."""
+
+
+Noise = Complex[Array, " cell"]
+"""Of a facet's cells, in standard deviations of each component."""
 
 
 @dataclass(frozen=True)
@@ -38,15 +44,33 @@ class Stage:
     cutout: Cutout
     power: Float[Array, " cell"]
 
-    def noise(self, rng: np.random.Generator) -> Complex[Array, " cell"]:
-        """Draw noise [Jy^-1] of variance ``power`` in each component."""
+    def noise(self, rng: np.random.Generator) -> Noise:
+        """Draw it for cells of unit power, with unit variance in each component."""
         first, second = rng.standard_normal((2, len(self.power)))
-        return np.sqrt(self.power) * (first + 1j * second)
+        return first + 1j * second
 
-    def facet(self, galaxy: GalaxyFit, profile: Profile, noise: Complex[Array, " cell"]) -> Facet:
-        """Facet to which visibilities of this galaxy and noise would have been summed."""
+    def turned(self, noise: Noise) -> Noise:
+        """Noise of a sky turned by a right angle, l towards m."""
+        cell, is_opposite = self._quarter_turn
+        return np.where(is_opposite, noise[cell].conj(), noise[cell])
+
+    @cached_property
+    def _quarter_turn(self) -> tuple[Int[Array, " cell"], Bool[Array, " cell"]]:
+        """Cell from which a turn brings each one's noise, and whether it comes from the other half plane."""
+        u, v = self.cutout.uv.T
+        before = np.column_stack([v, -u])
+        tree = KDTree(np.concatenate([self.cutout.uv, -self.cutout.uv]))
+        distance, found = tree.query(before)
+        spacing = 1 / (self.cutout.size * self.cutout.pixel)
+        if distance.max() > 1e-3 * spacing:
+            raise ValueError("the cells are not the same after a quarter turn")
+        return found % len(u), found >= len(u)
+
+    def facet(self, galaxy: GalaxyFit, profile: Profile, noise: Noise) -> Facet:
+        """Facet to which visibilities of this galaxy and such noise would have been summed."""
         model = Template(self.cutout.uv, profile).model(galaxy)
-        return Facet(self.cutout.uv, self.power * model + noise, self.power)
+        correlation = self.power * model + np.sqrt(self.power) * noise
+        return Facet(self.cutout.uv, correlation, self.power)
 
     def snr_of_jansky(self, prior: ShapePrior, profile: Profile) -> float:
         """Signal-to-noise ratio of a jansky, round and of the prior's median size."""

@@ -22,6 +22,7 @@ from uvshear.cli.options import (
     positive_range,
     thread_count,
 )
+from uvshear.cli.priors import PriorName
 from uvshear.cli.profiles import ProfileName, profile_of
 from uvshear.cli.terminal import progress_bar, say
 from uvshear.errors import InputError
@@ -52,14 +53,23 @@ def register(app: typer.Typer) -> None:
 def bias(
     estimator: Annotated[CalibratedName, typer.Option(help="Of the shear.")],
     galaxies: Annotated[
-        int, typer.Option(min=100, help="Galaxies, each measured four times behind each shear.")
+        int,
+        typer.Option(
+            min=100,
+            help="Galaxies, each measured four times behind each shear, eight times without.",
+        ),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="JSON file to write.")],
     snr_min: Annotated[
         float,
         typer.Option(callback=non_negative, help="Leave out galaxies whose flux makes for less."),
     ] = 10.0,
-    shear: Annotated[float, typer.Option(callback=positive, help="Modulus |g|.")] = 0.02,
+    flux_min_ujy: Annotated[
+        float, typer.Option(callback=non_negative, help="Leave out fainter galaxies.")
+    ] = 0.0,
+    shear: Annotated[
+        float, typer.Option(callback=non_negative, help="Modulus |g|; 0 for the additive bias.")
+    ] = 0.02,
     orientations: Annotated[
         int, typer.Option(min=2, help="Directions of g, equally spaced, the first at 22.5 deg.")
     ] = 2,
@@ -70,6 +80,10 @@ def bias(
     profile: Annotated[
         ProfileName, typer.Option(help="True profile; exponential discs are fitted.")
     ] = ProfileName.EXPONENTIAL,
+    prior: Annotated[
+        PriorName,
+        typer.Option(help="Population of bayesian: the one drawn from, or fitted to a sample."),
+    ] = PriorName.PAPER,
     position_error_arcsec: Annotated[
         float, typer.Option(callback=non_negative, help="Of the catalogue, in l and in m.")
     ] = 0.0,
@@ -121,6 +135,7 @@ def bias(
         Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, 1),
     )
     angles = [math.pi / 4 + 2 * math.pi * k / orientations for k in range(orientations)]
+    shears = tuple(cmath.rect(shear, angle) for angle in angles) if shear else (0j,)
     population = Population()
     experiment = Experiment(
         beam=beam_of(
@@ -129,18 +144,19 @@ def bias(
             noise=GalaxyNoise(snr_at[0] * MICROJANSKY, snr_at[1]),
             threads=thread_count(threads),
         ),
-        shears=tuple(cmath.rect(shear, angle) for angle in angles),
+        shears=shears,
         population=population,
         profile=profile_of(profile),
         lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
         snr_min=snr_min,
+        flux_min=flux_min_ujy * MICROJANSKY,
         position_sigma=position_error_arcsec * ARCSEC,
         seed=seed,
     )
     with progress_bar("calibrating") as progress:
         biases = calibrate(
             experiment,
-            estimator_of(estimator, experiment.position_sigma),
+            estimator_of(estimator, prior, experiment.position_sigma),
             galaxies,
             thread_count(threads),
             progress,
@@ -153,7 +169,10 @@ def bias(
         "orientations": orientations,
         "legacy_shear": legacy_shear,
         "profile": profile.value,
+        "prior": prior.value,
         "snr_min": snr_min,
+        "flux_min_ujy": flux_min_ujy,
+        "declination_deg": declination_deg,
         "seed": seed,
         "version": __version__,
         "bins": [{"flux": one.name, **one.record()} for one in biases[1:]],
@@ -167,12 +186,13 @@ def describe(one: "Bias") -> str:
         f"{name}{i + 1} = {value[i]:+.5f} +- {error[i]:.5f}"
         for name, value, error in (("m", one.m, one.m_err), ("c", one.c, one.c_err))
         for i in (0, 1)
+        if math.isfinite(value[i])
     ]
     failures = f", {one.failed} measurements failed" if one.failed else ""
     return f"{one.name}: {', '.join(parts)} ({one.n} galaxies{failures})"
 
 
-def estimator_of(name: CalibratedName, position_sigma: float) -> "Estimator":
+def estimator_of(name: CalibratedName, prior: PriorName, position_sigma: float) -> "Estimator":
     """Return the estimator of a name."""
     from uvshear.calibration.estimators import (
         BayesianEstimator,
@@ -182,4 +202,6 @@ def estimator_of(name: CalibratedName, position_sigma: float) -> "Estimator":
 
     if name is CalibratedName.MOMENTS:
         return MomentEstimator(position_sigma)
-    return BayesianEstimator() if name is CalibratedName.BAYESIAN else MeanEstimator()
+    if name is CalibratedName.BAYESIAN:
+        return BayesianEstimator(is_learning=prior is PriorName.FITTED)
+    return MeanEstimator()

@@ -226,16 +226,20 @@ def measure(
 
 def statistics_of(keep: str | None, extraction: ExtractionName) -> "tuple[Statistic, ...]":
     """Return the statistics of names joined by commas."""
-    from uvshear.measurement.keep import MomentStatistic
+    from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic
 
     if keep is None:
         return ()
     if extraction is not ExtractionName.CONVERGED:
         raise InputError(f"--keep {keep}: only --extraction converged keeps statistics")
+    known: dict[str, type[Statistic]] = {
+        "likelihood": LikelihoodStatistic,
+        "moments": MomentStatistic,
+    }
     for name in keep.split(","):
-        if name != "moments":
-            raise InputError(f"--keep {keep}: '{name}' is not known; moments is")
-    return (MomentStatistic(),)
+        if name not in known:
+            raise InputError(f"--keep {keep}: '{name}' is not known; {', '.join(known)} are")
+    return tuple(kind() for name, kind in known.items() if name in keep.split(","))
 
 
 def _draw(images: "DirtyAndResidual", title: str, path: Path, *, overwrite: bool) -> None:

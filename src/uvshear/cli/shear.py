@@ -10,9 +10,14 @@ import typer
 
 from uvshear import __version__
 from uvshear.cli.options import Overwrite, Seed, non_negative
+from uvshear.cli.priors import PriorName
 from uvshear.cli.terminal import say
+from uvshear.errors import InputError
 
 if TYPE_CHECKING:
+    from astropy.table import Table
+
+    from uvshear.shear.estimator import ShearEstimator
     from uvshear.shear.mean import ShearEstimate
 
 EPILOG = "Example: uvshear shear SHAPES.fits --snr-min 10 -o SHEAR.json"
@@ -23,6 +28,7 @@ class EstimatorName(StrEnum):
 
     MEAN = "mean"
     MOMENTS = "moments"
+    BAYESIAN = "bayesian"
 
 
 def register(app: typer.Typer) -> None:
@@ -36,6 +42,20 @@ def shear(
     snr_min: Annotated[
         float, typer.Option(callback=non_negative, help="Leave out galaxies of lower SNR.")
     ] = 0.0,
+    flux_min_ujy: Annotated[
+        float,
+        typer.Option(
+            callback=non_negative,
+            help="Leave out fainter sources of the catalogue: a cut that shear leaves.",
+        ),
+    ] = 0.0,
+    calibration: Annotated[
+        Path | None, typer.Option(help="Bias to take out, written by uvshear bias.")
+    ] = None,
+    prior: Annotated[
+        PriorName,
+        typer.Option(help="Population of bayesian: the paper's, or fitted to the sources."),
+    ] = PriorName.PAPER,
     seed: Seed = 1,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="JSON file to write.")
@@ -43,23 +63,53 @@ def shear(
     overwrite: Overwrite = False,
 ) -> None:
     """Estimate the shear: the weighted mean ellipticity with 1000 bootstraps, or moments with a jackknife."""
+    from uvshear.constants import MICROJANSKY
+    from uvshear.io.calibration import read_calibration
     from uvshear.io.outputs import check_file, write_json
-    from uvshear.io.shapes import read_shapes
-    from uvshear.io.statistics import read_statistics
-    from uvshear.measurement.keep import MomentStatistic
-    from uvshear.pipeline import estimate_shear, estimate_shear_by_moments
+    from uvshear.io.shapes import inside, read_shapes
+    from uvshear.pipeline import selected
+    from uvshear.shear.estimator import BayesianShear, by_flux
 
     if output is not None:
-        check_file(output, overwrite=overwrite, inputs=(shapes,))
+        inputs = (shapes,) if calibration is None else (shapes, calibration)
+        check_file(output, overwrite=overwrite, inputs=inputs)
+    bias = None if calibration is None else read_calibration(calibration)
+    if bias is not None and bias.estimator != estimator.value:
+        raise InputError(
+            f"{calibration}: is of the estimator '{bias.estimator}', the shear of '{estimator.value}'"
+        )
     table = read_shapes(shapes)
-    if estimator is EstimatorName.MOMENTS:
-        kept = read_statistics(shapes, len(table), MomentStatistic.columns, "moments")
-        estimate = estimate_shear_by_moments(table, kept, snr_min=snr_min)
-    else:
-        estimate = estimate_shear(table, snr_min=snr_min, seed=seed)
-    say(describe_shear(estimate))
+    chosen = selected(table, snr_min=snr_min, flux_min=flux_min_ujy * MICROJANSKY)
+    method = _method(estimator, shapes, table, seed)
+    if prior is PriorName.FITTED and isinstance(method, BayesianShear):
+        method = method.fitted(chosen)
+    total, bins = method.of(chosen), by_flux(method, inside(table, "flux"), chosen)
+    if bias is not None:
+        total = bias.applied(total)
+    say(describe_shear(total))
+    for name, one in bins.items():
+        say(f"{name}: {describe_shear(one)}")
     if output is not None:
-        write_json(output, asdict(estimate) | {"version": __version__}, overwrite=overwrite)
+        record = asdict(total) | {
+            "version": __version__,
+            "calibration": None if calibration is None else str(calibration),
+            "bins": [{"flux": name, **asdict(one)} for name, one in bins.items()],
+        }
+        write_json(output, record, overwrite=overwrite)
+
+
+def _method(name: EstimatorName, shapes: Path, table: "Table", seed: int) -> "ShearEstimator":
+    from uvshear.io.statistics import read_statistics
+    from uvshear.measurement.keep import MomentStatistic
+    from uvshear.pipeline import bayesian_shear, mean_shear, moment_shear
+    from uvshear.shear.packing import PACKED
+
+    if name is EstimatorName.MOMENTS:
+        kept = read_statistics(shapes, len(table), MomentStatistic.columns, "moments")
+        return moment_shear(table, kept)
+    if name is EstimatorName.BAYESIAN:
+        return bayesian_shear(read_statistics(shapes, len(table), PACKED, "likelihood"))
+    return mean_shear(table, seed)
 
 
 def describe_shear(estimate: "ShearEstimate") -> str:

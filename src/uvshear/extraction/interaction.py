@@ -7,6 +7,7 @@ the beam is the plateau of the short ones, flat over a facet: it couples fluxes.
 that the common likelihood has a maximum: a beam cut off would not be positive. The next visit is exact everywhere.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,11 +80,17 @@ class Interaction:
         """Tell how far the flux of every source is from that of the last visit [Jy]."""
         self._plateau = self._far @ changes
 
-    def rendered(self, source: int, before: Source, after: Source) -> Float[Array, "l m"]:
-        """Change of the dirty image around a source."""
+    def rendered(
+        self, source: int, before: Source, after: Source
+    ) -> tuple[float, Float[Array, "l m"]]:
+        """Change of a source in units of the noise, and of the dirty image around it."""
         change = self._transform(after) - self._transform(before)
-        change *= self._spectrum(int(self._beams.nearest[source]))
-        return fft.fftshift(fft.irfft2(change, s=(WINDOW, WINDOW), overwrite_x=True))
+        seen = change * self._spectrum(int(self._beams.nearest[source]))
+        # Half of the plane: the column v = 0 counts once, as does the last.
+        product = (seen * change.conj()).real
+        power = 2 * product.sum(dtype=float) - product[:, [0, -1]].sum(dtype=float)
+        distance = math.sqrt(max(float(power), 0.0)) / WINDOW
+        return distance, fft.fftshift(fft.irfft2(seen, s=(WINDOW, WINDOW), overwrite_x=True))
 
     def add(self, source: int, change: Float[Array, "l m"]) -> None:
         """Put what was rendered into the image."""

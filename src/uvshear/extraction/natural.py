@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from uvshear.concurrency import in_order
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.geometry.ellipticity import quadratic_form
@@ -19,7 +20,7 @@ good to 1e-3."""
 
 
 def natural_norms(
-    observation: Observation, galaxies: Galaxies, profile: Profile
+    observation: Observation, galaxies: Galaxies, profile: Profile, threads: int = 1
 ) -> Float[Array, " source"]:
     """<m, m> of each galaxy for unit flux over every visibility [Jy^-2]: snr = S sqrt<m, m>.
 
@@ -30,14 +31,15 @@ def natural_norms(
     weight, mean_u, mean_v, log_frequency = _weights_by_baseline(observation)
     form = np.stack(quadratic_form(galaxies.ellipticity, galaxies.scale_length), axis=-1)
     squares = 4 * math.pi**2 * np.stack([mean_u**2, mean_u * mean_v, mean_v**2])
-    norms = np.empty(len(galaxies))
-    for k in range(len(galaxies)):
-        gain = np.exp(
-            galaxies.spectral_index[k] * (log_frequency - math.log(galaxies.reference_frequency))
-        )
-        q = form[k] @ squares
-        norms[k] = np.sum(weight * (gain * profile.envelope(q)) ** 2)
-    return norms
+    squares, weight = squares.astype(np.float32), weight.astype(np.float32)
+
+    def norm(source: int) -> float:
+        q = form[source].astype(np.float32) @ squares
+        index, reference = galaxies.spectral_index[source], galaxies.reference_frequency
+        gain = np.exp(2 * index * (log_frequency - math.log(reference))).astype(np.float32)
+        return float(np.sum(weight * gain * profile.envelope(q) ** 2, dtype=float))
+
+    return np.array(list(in_order(norm, range(len(galaxies)), threads)))
 
 
 def _weights_by_baseline(observation: Observation) -> Float[Array, "4 cell"]:

@@ -42,22 +42,23 @@ class Correlator:
         self.length = 1 / (2 * math.pi * uv_max)
         self.flux_unit = 1 / math.sqrt(total)
         self.profile = profile
-        x, y = (facet.uv / uv_max).T
-        self._x, self._y = x.astype(dtype), y.astype(dtype)
-        self._power = (facet.power / total).astype(dtype)
+        self.xy = np.ascontiguousarray((facet.uv / uv_max).T, dtype)
+        self.power = (facet.power / total).astype(dtype)
+        self._x, self._y = self.xy
+        self._displace = kernels.displace_single if dtype is np.float32 else kernels.displace
         correlation = facet.correlation / math.sqrt(total)
         self._origin = (
             np.ascontiguousarray(correlation.real, dtype),
             np.ascontiguousarray(correlation.imag, dtype),
         )
         self._centred = self._origin
-        self._q = np.empty(len(x), dtype)
+        self._q = np.empty(self._x.size, dtype)
         self.centre = np.zeros(2)
 
     def move_to(self, centre: Float[Array, " 2"]) -> None:
         """Put the origin of positions at ``centre`` (from the facet's centre, in units of ``length``)."""
         real, imaginary = np.empty_like(self._q), np.empty_like(self._q)
-        kernels.displace(self._x, self._y, centre[0], centre[1], *self._origin, real, imaginary)
+        self._displace(self._x, self._y, centre[0], centre[1], *self._origin, real, imaginary)
         self._centred = (real, imaginary)
         self.centre = np.array(centre, float)
 
@@ -81,7 +82,7 @@ class Correlator:
         real = np.empty((len(nodes), self._q.size), self._q.dtype)
         imaginary = np.empty_like(self._q)
         for node, row in zip(nodes, real, strict=True):
-            kernels.displace(self._x, self._y, node[0], node[1], *self._centred, row, imaginary)
+            self._displace(self._x, self._y, node[0], node[1], *self._centred, row, imaginary)
         return real
 
     def correlate(
@@ -103,7 +104,7 @@ class Correlator:
             for start in range(0, self._q.size, CHUNK):
                 cells = slice(start, start + CHUNK)
                 envelopes = self._envelopes(forms[batch], cells)
-                kernels.add_norms(envelopes, self._power[cells], norm[batch])
+                kernels.add_norms(envelopes, self.power[cells], norm[batch])
                 heights[batch] += _blocked_product(envelopes, displaced[:, cells])
         return heights, norm
 
@@ -123,7 +124,7 @@ class Correlator:
         slope = self.profile.envelope_slope(self._q)
         sums = np.empty(19)
         kernels.normal_sums(
-            envelope, slope, self._x, self._y, derivatives, *self._centred, self._power, sums
+            envelope, slope, self._x, self._y, derivatives, *self._centred, self.power, sums
         )
         return sums
 

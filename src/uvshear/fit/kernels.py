@@ -6,7 +6,7 @@ Sums run in that dtype over blocks of 256 cells and in float64 from there on.
 import math
 
 from uvshear.compilation import compiled
-from uvshear.geometry.kernels import sine_cosine_of_turns
+from uvshear.geometry.kernels import sine_cosine_of_turns, sine_cosine_of_turns_single
 
 BLOCK = 256
 
@@ -116,10 +116,20 @@ def displace(x, y, shift_x, shift_y, real, imaginary, new_real, new_imaginary): 
 
 
 @compiled
+def displace_single(x, y, shift_x, shift_y, real, imaginary, new_real, new_imaginary):  # type: ignore[no-untyped-def]
+    """Do the same with phases in single precision."""
+    a, b = shift_x / (2 * math.pi), shift_y / (2 * math.pi)
+    for i in range(x.size):
+        sine, cosine = sine_cosine_of_turns_single(x[i] * a + y[i] * b)
+        new_real[i] = real[i] * cosine + imaginary[i] * sine
+        new_imaginary[i] = imaginary[i] * cosine - real[i] * sine
+
+
+@compiled
 def turn(uv, x, y, phase):  # type: ignore[no-untyped-def]
-    """Write exp(2 pi i (u x + v y)) of each cell."""
+    """Write exp(2 pi i (u x + v y)) of each cell, in single precision."""
     for i in range(phase.size):
-        sine, cosine = sine_cosine_of_turns(uv[i, 0] * x + uv[i, 1] * y)
+        sine, cosine = sine_cosine_of_turns_single(uv[i, 0] * x + uv[i, 1] * y)
         phase[i] = complex(cosine, sine)
 
 

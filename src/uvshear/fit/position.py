@@ -18,6 +18,7 @@ import numpy as np
 from scipy.spatial import KDTree
 from scipy.special import log_ndtr
 
+from uvshear.fit.condensed import CondensedCorrelator
 from uvshear.fit.correlator import Correlator
 from uvshear.fit.likely import Likely
 from uvshear.fit.maximum import BestFit, hexagonal_lattice
@@ -50,7 +51,7 @@ class PositionQuadrature:
 
     def __init__(
         self,
-        correlator: Correlator,
+        correlator: Correlator | CondensedCorrelator,
         nodes: Float[Array, "node 2"],
         log_weights: Float[Array, " node"],
     ) -> None:
@@ -58,7 +59,9 @@ class PositionQuadrature:
         self._displaced = correlator.displaced_to(nodes)
 
     @classmethod
-    def about(cls, correlator: Correlator, best: BestFit, radius: float) -> Self:
+    def about(
+        cls, correlator: Correlator | CondensedCorrelator, best: BestFit, radius: float
+    ) -> Self:
         """Gauss-Hermite nodes, wider by a fifth than the best fit's Fisher covariance.
 
         The prior of the position ends at ``radius`` from the facet's centre.

@@ -21,6 +21,10 @@ _SHARPEST = 1e-6
 _NARROWEST = 0.65
 """Standard deviation of the posterior along an axis of the lattice, in steps, below which the step is halved."""
 
+_CORE, _FURTHEST = 2.5, 8.0
+_ROOM = 64
+"""Steps from the best fit, along any axis, that a lattice has room for."""
+
 _GROWTH = 1.5
 _MOST_ATTEMPTS = 10
 
@@ -68,33 +72,44 @@ class PosteriorSamples:
 
 
 def sample_posterior(
-    correlator: Correlator,
-    prior: ShapePrior,
+    correlator: Correlator, prior: ShapePrior, best: BestFit, share: float = 1.0
+) -> PosteriorSamples:
+    """Posterior over (e, ln alpha), flux and position marginalised, about the best fit and whatever else is likely.
+
+    The log likelihood counts by ``share``: the part of its information that is the galaxy's own.
+    """
+    if best.snr >= FAINT:
+        position = PositionQuadrature.about(correlator, best, search_radius(correlator, prior))
+        return sample_about(best, position, prior, share=share)
+    likely = Likely.of(correlator, prior, best)
+    others = _coordinates(likely.ellipticity, likely.log_scale_length)
+    position = PositionQuadrature.over(correlator, likely)
+    return sample_about(best, position, prior, others, share=share)
+
+
+def sample_about(
     best: BestFit,
+    position: PositionQuadrature,
+    prior: ShapePrior,
+    others: Float[Array, "start 3"] | None = None,
+    *,
     share: float = 1.0,
     steps: Steps = USUAL,
 ) -> PosteriorSamples:
-    """Posterior over (e, ln alpha), flux and position marginalised, about the best fit.
+    """Posterior on a lattice that grows from the best fit, and from ``others``: (e1, e2, ln alpha) in rows.
 
-    The log likelihood counts by ``share``: the part of its information that is the galaxy's own.
-
-    The lattice follows the axes of the Fisher covariance and grows from the best fit, and from whatever else is
-    likely, over every point within ``DEPTH`` of the highest. Where the Fisher matrix misleads it starts again: with
-    half the step along an axis if the posterior is narrower, along the axes found so far if it is so much wider that
-    ``most_points`` do not cover it.
+    It follows the axes of the Fisher covariance and takes in every point within ``DEPTH`` of the highest. Where the
+    Fisher matrix misleads it starts again: with half the step along an axis if the posterior is narrower, along the
+    axes found so far if it is so much wider that ``most_points`` do not cover it.
     """
     starts = _coordinates(np.array([best.ellipticity]), np.array([best.log_scale_length]))
-    # Where steps are bounded, a population's prior has left no far peaks.
-    if best.snr < FAINT and math.isinf(steps.widest_e):
-        likely = Likely.of(correlator, prior, best)
-        position = PositionQuadrature.over(correlator, likely)
-        shapes = _coordinates(likely.ellipticity, likely.log_scale_length)
-        starts = np.vstack([starts, shapes])
-    else:
-        position = PositionQuadrature.about(correlator, best, search_radius(correlator, prior))
-    axes = _axes(shape_covariance(best), steps)
+    if others is not None:
+        starts = np.vstack([starts, others])
+    found = shape_covariance(best)
+    axes = _axes(found, steps)
     for _ in range(_MOST_ATTEMPTS):
-        samples = _Lattice(position, prior, starts, axes, share, steps.most_points).flood()
+        core = _core(_in_steps(axes, found))
+        samples = _Lattice(position, prior, starts, axes, core, share, steps.most_points).flood()
         found = _covariance(samples)
         if not samples.is_covered:
             axes = _axes(_GROWTH**2 * found, steps)
@@ -130,6 +145,15 @@ def _in_steps(axes: Float[Array, "3 3"], covariance: Float[Array, "3 3"]) -> Flo
     return to_steps @ covariance @ to_steps.T
 
 
+def _core(covariance: Float[Array, "3 3"]) -> Int[Array, "point 3"]:
+    """Points that are surely wanted, an ellipsoid of ``_CORE`` standard deviations: at once, not layer by layer."""
+    reach = np.minimum(_CORE * np.sqrt(np.diag(covariance)), _FURTHEST).astype(int)
+    box = np.stack(np.meshgrid(*(np.arange(-r, r + 1) for r in reach), indexing="ij"), axis=-1)
+    points = box.reshape(-1, 3)
+    distance = np.einsum("pi,ij,pj->p", points, np.linalg.inv(covariance), points)
+    return np.vstack([points[distance <= _CORE**2], _NEIGHBOURS])
+
+
 class _Lattice:
     """One lattice over the disc of ellipticities and the sizes."""
 
@@ -139,40 +163,46 @@ class _Lattice:
         prior: ShapePrior,
         starts: Float[Array, "sample 3"],
         axes: Float[Array, "3 3"],
+        core: Int[Array, "point 3"],
         share: float,
         most: int,
     ) -> None:
-        """Put the lattice so that the first of the starts is one of its points."""
-        self._position, self._prior, self._axes = position, prior, axes
+        """Put the lattice so that the first of the starts is one of its points; the ``core`` is about it."""
+        self._position, self._prior, self._axes, self._core = position, prior, axes, core
         self._starts, self._origin = starts, starts[0]
         self._share, self._most = share, most
-        self._seen: set[tuple[int, int, int]] = set()
+        self._seen = np.zeros((2 * _ROOM + 1,) * 3, bool)
+        self._count, self._is_full = 0, False
 
     def flood(self) -> PosteriorSamples:
         """Grow from the starts until the border lies all round, or until there are too many points."""
         away = (self._starts - self._origin) @ np.linalg.inv(self._axes).T
-        # The edge of the disc may cut off the best fit itself: begin with its neighbours too.
-        frontier = self._new_points(np.vstack([np.rint(away).astype(int), _NEIGHBOURS]))
+        # The edge of the disc may cut off the best fit itself: begin with what is about it too.
+        frontier = self._new_points(np.vstack([np.rint(away).astype(int), self._core]))
         found: list[tuple[Array, Array, Array, MarginalLikelihood]] = []
         points: list[Int[Array, "point 3"]] = []
         highest = -math.inf
-        while len(frontier) and len(self._seen) < self._most:
+        while len(frontier) and self._count < self._most and not self._is_full:
             e, size, log_density, marginal = self._evaluate(frontier)
             found.append((e, size, log_density, marginal))
             points.append(frontier)
             highest = max(highest, float(log_density.max()))
             inner = frontier[log_density > highest - DEPTH]
             frontier = self._new_points((inner[:, None, :] + _NEIGHBOURS).reshape(-1, 3))
-        return self._collect(found, np.concatenate(points), is_covered=len(frontier) == 0)
+        is_covered = len(frontier) == 0 and not self._is_full
+        return self._collect(found, np.concatenate(points), is_covered=is_covered)
 
     def _new_points(self, points: Int[Array, "point 3"]) -> Int[Array, "new 3"]:
-        new = [p for p in dict.fromkeys(map(tuple, points.tolist())) if p not in self._seen]
-        self._seen.update(new)
-        if not new:
-            return np.empty((0, 3), int)
-        kept = np.array(new)
-        e, _ = self._shape(kept)
-        return kept[np.isfinite(self._prior.ellipticity.log_density(e))]
+        """Those not seen before, within the disc; one beyond the room that there is ends it."""
+        inside = np.all(np.abs(points) <= _ROOM, axis=1)
+        self._is_full |= not inside.all()
+        codes = np.unique(np.ravel_multi_index(tuple((points[inside] + _ROOM).T), self._seen.shape))
+        codes = codes[~self._seen.flat[codes]]
+        self._seen.flat[codes] = True
+        self._count += len(codes)
+        new = np.stack(np.unravel_index(codes, self._seen.shape), axis=-1) - _ROOM
+        e, _ = self._shape(new)
+        return new[np.isfinite(self._prior.ellipticity.log_density(e))]
 
     def _shape(
         self, points: Int[Array, "point 3"]

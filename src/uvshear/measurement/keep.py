@@ -6,10 +6,20 @@ from collections.abc import Mapping
 import numpy as np
 
 from uvshear.extraction.cutout import Cutout
+from uvshear.fit.condensed import Condenser
+from uvshear.fit.likelihood import sample_likelihood
 from uvshear.fit.moments import REACH, SCALE, MomentFunctional
+from uvshear.fit.prior import ShapePrior
+from uvshear.galaxy import DiscEllipticityPrior, EllipticityPrior, Exponential, Profile
 from uvshear.interferometer.facet import Facet
+from uvshear.shear.bayesian import ShapeLikelihood
+from uvshear.shear.packing import PACKED, pack
+from uvshear.typing import Array
 
 _Key = tuple[int, float, float]
+
+Kept = Mapping[str, float | Array]
+"""Of a source: a number or a one-dimensional array a column."""
 
 
 class Statistic(ABC):
@@ -18,8 +28,8 @@ class Statistic(ABC):
     columns: tuple[str, ...]
 
     @abstractmethod
-    def of(self, facet: Facet, cutout: Cutout) -> Mapping[str, float]:
-        """Work out the value of each column."""
+    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior) -> Kept:
+        """Work out the value of each column, for a source of this prior; nothing where there is none."""
 
 
 class MomentStatistic(Statistic):
@@ -33,8 +43,8 @@ class MomentStatistic(Statistic):
         self._functionals: dict[_Key, MomentFunctional] = {}
         self._on_cells: dict[tuple[_Key, Cutout], MomentFunctional] = {}
 
-    def of(self, facet: Facet, cutout: Cutout) -> Mapping[str, float]:
-        """Measure them."""
+    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior) -> Mapping[str, float]:
+        """Measure them; no prior has a part in it."""
         moments = self._functional(facet, cutout).measure(facet.correlation)
         return {
             "m1": float(moments.shape[0]),
@@ -60,3 +70,38 @@ class MomentStatistic(Statistic):
         if (key, cutout) not in self._on_cells:
             self._on_cells[key, cutout] = self._functionals[key].on(facet.uv)
         return self._on_cells[key, cutout]
+
+
+class LikelihoodStatistic(Statistic):
+    """Likelihood over ellipticity and size, wherever a population of galaxies reaches."""
+
+    columns = PACKED
+
+    def __init__(
+        self, profile: Profile | None = None, population: EllipticityPrior | None = None
+    ) -> None:
+        """``profile`` is what galaxies are fitted with."""
+        self._profile = profile or Exponential()
+        self._population = population or DiscEllipticityPrior()
+        self._condenser = Condenser(self._profile)
+
+    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior) -> Kept:
+        """Sample it, and pack it into a few kilobytes."""
+        likelihood = self.likelihood(facet, cutout, prior)
+        return {} if likelihood is None else pack(likelihood)
+
+    def likelihood(self, facet: Facet, cutout: Cutout, prior: ShapePrior) -> ShapeLikelihood | None:
+        """Sample it; None where there is no galaxy."""
+        condensation = self._condenser.of(facet, cutout, prior)
+        found = sample_likelihood(facet, prior, self._profile, self._population, condensation)
+        if found is None:
+            return None
+        samples = found.samples
+        return ShapeLikelihood(
+            samples.point,
+            samples.origin,
+            samples.axes,
+            found.log_likelihood,
+            found.flux,
+            found.flux_variance,
+        )

@@ -16,12 +16,13 @@ def with_natural_snr(
     observation: Observation,
     sky: Galaxies,
     profile: Profile,
+    threads: int = 1,
 ) -> Mapping[int, ShapeMeasurement]:
     """Quote S sqrt(<m, m>) over all visibilities, which are read once, for the galaxies of the ``sky``."""
     if not measurements:
         return measurements
     order = np.array(list(measurements))
-    norms = natural_norms(observation, sky.select(order), profile)
+    norms = natural_norms(observation, sky.select(order), profile, threads)
     return {
         source: replace(shape, snr=shape.flux * float(np.sqrt(norm)))
         for (source, shape), norm in zip(measurements.items(), norms, strict=True)

@@ -24,7 +24,7 @@ from uvshear.extraction.schedule import fitting_levels
 from uvshear.fit.blend import Member, fit_group
 from uvshear.fit.coupling import NormalEquations, normal_equations
 from uvshear.fit.measurement import GalaxyFit
-from uvshear.fit.template import Template
+from uvshear.fit.template import Template, difference
 from uvshear.interferometer.facet import Facet
 from uvshear.measurement.groups import overlapping_groups
 from uvshear.measurement.joint import (
@@ -54,6 +54,9 @@ SETTLED = 0.1
 """Rounds end when all together move by this part of what the first moved them: what sources do to one another between
 visits is known no better, and the next visit measures it."""
 
+SETTLED_ENOUGH = 0.5
+"""And when they move by less than this part of the tolerance."""
+
 Tick = Callable[[], None]
 
 
@@ -71,6 +74,8 @@ class Settlement:
     ) -> None:
         self._sources, self._plan, self._beams = sources, plan, beams
         self._residuals = residuals
+        """Once a source has been looked at: with its own model of the visit put back, see ``_put_back``."""
+        self._is_put_back = np.zeros(len(sources), bool)
         self._reference = list(fits)
         self.fits = list(fits)
         self._interaction = Interaction(plan, beams, sources[0].profile)
@@ -105,7 +110,7 @@ class Settlement:
             in_turn = self._sweep(active, threads, afresh=afresh and number == 0, tick=tick)
             together = self._step(threads, tolerance)
             rounds.append((float(in_turn.max()), float(together.max())))
-            enough = enough or SETTLED * _rms(in_turn)
+            enough = enough or max(SETTLED * _rms(in_turn), SETTLED_ENOUGH * tolerance)
             # Those that overlap are fitted together from the second round on.
             if _rms(together) < enough and not (afresh and number == 0):
                 break
@@ -172,7 +177,7 @@ class Settlement:
             self._is_grouped | np.array([self._is_stuck(k) for k in everyone]),
         )
         after = [self._sources[k].after(self.fits[k], step) for k, step in enumerate(steps)]
-        far = np.array([self._distance(k, self.fits[k], new) for k, new in enumerate(after)])
+        far = np.array([self._step_length(k, new) for k, new in enumerate(after)])
         movers = np.flatnonzero(far > tolerance / 5).tolist()
         self._change(movers, [after[k] for k in movers], threads)
         return far
@@ -245,8 +250,9 @@ class Settlement:
 
         def render(task: tuple[int, GalaxyFit, GalaxyFit]) -> tuple[float, Float[Array, "l m"]]:
             source, old, new = task
-            seen = self._seen(source, old), self._seen(source, new)
-            return self._distance(source, old, new), self._interaction.rendered(source, *seen)
+            return self._interaction.rendered(
+                source, self._seen(source, old), self._seen(source, new)
+            )
 
         tasks = [(k, self.fits[k], new) for k, new in zip(members, after, strict=True)]
         moved_by = np.zeros(len(members))
@@ -266,17 +272,22 @@ class Settlement:
         correlation = np.zeros(len(power), np.complex64)
         self._interaction.subtract_from(correlation, source)
         correlation *= cutout.recentring(tuple(self._plan.offset[source]))
-        correlation += self._residuals[source]
-        one = self._sources[source]
-        now, then = self.fits[source], self._reference[source]
-        past = one.model(then, cutout.uv)
-        present = past if now is then else one.model(now, cutout.uv)
-        correlation += power * past
-        if now is not then:
-            correlation += self._interaction.own_power(source) * (present - past)
-        if not with_own:
-            correlation -= power * present
+        correlation += self._put_back(source)
+        # The interaction has taken its own change away, too.
+        held = self._interaction.own_power(source)
+        present = self._sources[source].model(self.fits[source], cutout.uv)
+        correlation += (held if with_own else held - power) * present
         return Facet(cutout.uv, correlation, power)
+
+    def _put_back(self, source: int) -> Complex[Array, " cell"]:
+        """Residual of the visit with the source's model of then, as much of it as the interaction does not hold."""
+        if not self._is_put_back[source]:
+            cutout = self._plan.cutouts[source]
+            left = self._beams.power(source, cutout) - self._interaction.own_power(source)
+            past = self._sources[source].model(self._reference[source], cutout.uv)
+            self._residuals[source] += left * past
+            self._is_put_back[source] = True
+        return self._residuals[source]
 
     def _seen(self, source: int, fit: GalaxyFit) -> Source:
         offset = self._plan.offset[source] + fit.offset
@@ -295,6 +306,15 @@ class Settlement:
             template = Template(plane.uv, self._sources[source].profile, place)
             change += template.model(self.fits[source]) - template.model(before[source])
         return math.sqrt(max(float(np.sum(plane.power * np.abs(change) ** 2)), 0.0))
+
+    def _step_length(self, source: int, new: GalaxyFit) -> float:
+        """Change of a source that takes a step, from its own block of the Fisher matrix."""
+        if (old := self.fits[source]) is new:
+            return 0.0
+        step = difference(new, old)
+        _, precision = self._sources[source].prior.pull(old)
+        information = self._equations[source].information - np.diag(precision)
+        return math.sqrt(max(float(step @ information @ step), 0.0))
 
     def _distance(self, source: int, old: GalaxyFit, new: GalaxyFit) -> float:
         if old is new:

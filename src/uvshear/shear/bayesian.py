@@ -21,6 +21,7 @@ then met by nodes made for them, and it is the smooth likelihood that g moves. B
 likelihood is a quintic spline, of its integrals over ln alpha and S.
 """
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -93,6 +94,16 @@ class ShapeLikelihood:
         return self.origin[2] + self.point @ self.axes[2]
 
 
+def log_evidence(
+    likelihood: ShapeLikelihood, population: UnlensedPopulation, about: complex
+) -> float:
+    """Ln P(D|g) of one galaxy at the shear ``about``, up to a constant that no population changes."""
+    surface = _Surface(likelihood, population, about, has_derivatives=False)
+    unlensed, weight = _nodes(population.ellipticity, surface, about)
+    evidence = float(weight @ surface.at(unlensed, about))
+    return math.log(evidence) if evidence > 0 else -math.inf
+
+
 def gradient_and_curvature(
     likelihood: ShapeLikelihood, population: UnlensedPopulation, about: complex
 ) -> tuple[Float[Array, " 2"], Float[Array, "2 2"]]:
@@ -120,7 +131,12 @@ class _Surface:
     """Likelihood times the prior of the size, both integrated over size and flux, as a function of e and g."""
 
     def __init__(
-        self, likelihood: ShapeLikelihood, population: UnlensedPopulation, about: complex
+        self,
+        likelihood: ShapeLikelihood,
+        population: UnlensedPopulation,
+        about: complex,
+        *,
+        has_derivatives: bool = True,
     ) -> None:
         e, weight = (
             likelihood.ellipticity,
@@ -135,12 +151,13 @@ class _Surface:
         count = int(np.prod(shape))
         seen = np.bincount(flat, minlength=count).reshape(shape) > 0
         _, nearest = distance_transform_edt(~seen, return_indices=True)
+        # Derivatives by the size are for other shears than this.
         self._splines = [
             spline_filter(
                 np.bincount(flat, weight * one, minlength=count).reshape(shape)[tuple(nearest)],
                 _ORDER,
             )
-            for one in sizes
+            for one in (sizes if has_derivatives else sizes[:1])
         ]
         # The last axis has no part in e.
         self._to_column = np.linalg.inv(likelihood.axes[:2, :2])
@@ -155,12 +172,15 @@ class _Surface:
     def at(self, unlensed: Complex[Array, " node"], g: complex) -> Float[Array, " node"]:
         """Evaluate where the shear takes galaxies of these ellipticities."""
         e = (unlensed + g) / (1 + np.conj(g) * unlensed)
-        further = _log_stretch(e, g) - _log_stretch(e, self._about)
         place = self._to_column @ (np.stack([e.real, e.imag]) - self._first[:, None])
-        value, slope, bend = (
+        value, *by_size = (
             map_coordinates(one, place, order=_ORDER, prefilter=False, mode="nearest")
             for one in self._splines
         )
+        if not by_size:
+            return value
+        slope, bend = by_size
+        further = _log_stretch(e, g) - _log_stretch(e, self._about)
         return value + further * slope + 0.5 * further**2 * bend
 
 
@@ -201,7 +221,7 @@ def _size_and_flux(
     given = np.exp(-0.5 * away**2) / sigma[:, None] * prior
     size = likelihood.log_scale_length + stretch
     t = (size[:, None] - relation.log_median(s)) / relation.sigma
-    density = given * np.exp(-0.5 * t**2)
+    density = given * np.exp(-0.5 * t**2) / relation.sigma
     by_first = -t / relation.sigma
     by_second = (t**2 - 1) / relation.sigma**2
     return (

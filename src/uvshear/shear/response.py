@@ -12,7 +12,7 @@ import numpy as np
 
 from uvshear.errors import InputError
 from uvshear.shear.mean import ShearEstimate
-from uvshear.typing import Array, Float
+from uvshear.typing import Array, Bool, Float
 
 BLOCKS = 100
 """Of the jackknife."""
@@ -28,6 +28,10 @@ class Responses:
     value: Float[Array, "source 2"]
     response: Float[Array, "source 2 2"]
     about: complex = 0j
+
+    def select(self, chosen: Bool[Array, " source"]) -> Self:
+        """Return those of some galaxies."""
+        return type(self)(self.value[chosen], self.response[chosen], self.about)
 
     def weighted(self, weight: Float[Array, " source"]) -> Self:
         """Return the same, each galaxy counted by a weight."""

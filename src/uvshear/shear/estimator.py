@@ -1,0 +1,132 @@
+"""Estimators of the shear of chosen galaxies: all of them, or those of a bin in flux."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Self
+
+import numpy as np
+
+from uvshear.constants import MICROJANSKY
+from uvshear.shear.bayesian import (
+    ShapeLikelihood,
+    UnlensedPopulation,
+    gradient_and_curvature,
+)
+from uvshear.shear.hierarchy import fit_population
+from uvshear.shear.mean import ShearEstimate, weighted_mean_shear
+from uvshear.shear.moments import moment_weight
+from uvshear.shear.response import Responses
+from uvshear.typing import Array, Bool, Complex, Float
+
+FLUX_BINS = (10.0, 20.0, 50.0, 200.0)
+"""Edges [uJy]."""
+
+ROUNDS = 3
+"""Of the expansion about the estimate: what is left is of the fourth order in its first error."""
+
+LEAST = 2
+"""Galaxies that a shear needs."""
+
+
+class ShearEstimator(ABC):
+    """What the shear of a sample is estimated from."""
+
+    @abstractmethod
+    def of(self, chosen: Bool[Array, " source"]) -> ShearEstimate:
+        """Shear of the chosen galaxies that it can use."""
+
+    @property
+    @abstractmethod
+    def usable(self) -> Bool[Array, " source"]:
+        """Galaxies that have what it needs."""
+
+
+@dataclass(frozen=True)
+class MeanShear(ShearEstimator):
+    """Weighted mean of ellipticities (weight 0: of no use), its errors by bootstraps of this seed."""
+
+    ellipticity: Complex[Array, " source"]
+    weight: Float[Array, " source"]
+    seed: int = 1
+
+    @property
+    def usable(self) -> Bool[Array, " source"]:
+        """Those with weight."""
+        return np.isfinite(self.ellipticity) & (self.weight > 0)
+
+    def of(self, chosen: Bool[Array, " source"]) -> ShearEstimate:
+        """Mean of the chosen."""
+        rng = np.random.default_rng(self.seed)
+        return weighted_mean_shear(self.ellipticity[chosen], self.weight[chosen], rng)
+
+
+@dataclass(frozen=True)
+class MomentShear(ShearEstimator):
+    """Moments [Jy] with their responses, weighed by the catalogue's flux [Jy]; NaN where there are none."""
+
+    moments: Responses
+    variance: Float[Array, " source"]
+    flux: Float[Array, " source"]
+
+    @property
+    def usable(self) -> Bool[Array, " source"]:
+        """Those with moments."""
+        return np.isfinite(self.moments.value).all(axis=-1)
+
+    def of(self, chosen: Bool[Array, " source"]) -> ShearEstimate:
+        """Sum of the chosen galaxies' moments over that of their responses."""
+        used = chosen & self.usable
+        weight = moment_weight(self.flux[used], self.variance[used])
+        return self.moments.select(used).weighted(weight).shear("moments")
+
+
+@dataclass(frozen=True)
+class BayesianShear(ShearEstimator):
+    """Likelihoods behind the shear of a population; None where a galaxy has none."""
+
+    likelihoods: Sequence[ShapeLikelihood | None]
+    population: UnlensedPopulation = field(default_factory=UnlensedPopulation)
+
+    @property
+    def usable(self) -> Bool[Array, " source"]:
+        """Those with a likelihood."""
+        return np.array([one is not None for one in self.likelihoods])
+
+    def fitted(self, chosen: Bool[Array, " source"]) -> Self:
+        """Return it with a population fitted to the chosen galaxies, about their shear."""
+        estimate = self.of(chosen)
+        about = complex(estimate.g1, estimate.g2)
+        found = fit_population(self._chosen(chosen), self.population, about)
+        return replace(self, population=found.population)
+
+    def _chosen(self, chosen: Bool[Array, " source"]) -> list[ShapeLikelihood]:
+        pairs = zip(self.likelihoods, chosen.tolist(), strict=True)
+        return [one for one, is_in in pairs if is_in and one is not None]
+
+    def of(self, chosen: Bool[Array, " source"]) -> ShearEstimate:
+        """Shear at which the chosen galaxies are most probable, by ``ROUNDS`` steps from none."""
+        used = self._chosen(chosen)
+        about, estimate = 0j, None
+        for _ in range(ROUNDS):
+            terms = [gradient_and_curvature(one, self.population, about) for one in used]
+            value = np.array([q for q, _ in terms]).reshape(-1, 2)
+            response = np.array([h for _, h in terms]).reshape(-1, 2, 2)
+            estimate = Responses(value, response, about).shear("bayesian")
+            about = complex(estimate.g1, estimate.g2)
+        assert estimate is not None
+        return estimate
+
+
+def by_flux(
+    estimator: ShearEstimator, flux: Float[Array, " source"], chosen: Bool[Array, " source"]
+) -> dict[str, ShearEstimate]:
+    """Shear of the chosen galaxies in each bin of the catalogue's flux [Jy] that has enough of them."""
+    found = {}
+    for low, high in pairwise(FLUX_BINS):
+        inside = chosen & estimator.usable & (flux >= low * MICROJANSKY)
+        inside &= flux < high * MICROJANSKY
+        if inside.sum() >= LEAST:
+            found[f"{low:g}-{high:g} uJy"] = estimator.of(inside)
+    return found
