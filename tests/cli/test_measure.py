@@ -20,6 +20,7 @@ from uvshear.io.shapes import COLUMNS, read_shapes
 from uvshear.io.statistics import statistics_path
 from uvshear.measurement import ConvergedExtraction, MeasurementOptions, PaperExtraction
 from uvshear.measurement.options import default_extraction
+from uvshear.shear.packing import PACKED, unpack
 
 CONTRACT = 21
 """Columns that commands.md fixes, the first of the table."""
@@ -303,6 +304,26 @@ def test_real_sets_are_measured_at_the_phase_centre(
     outcome = uvshear(*words)
     assert outcome.status == 0, outcome.err
     assert len(read_shapes(output)) == 1
+
+
+def test_likelihoods_are_kept_in_a_few_kilobytes(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path
+) -> None:
+    output = tmp_path / "shapes.fits"
+    words = ("measure", field, "--catalogue", catalogue, "-o", output)
+    outcome = uvshear(*words, "--keep", "likelihood,moments")
+    assert outcome.status == 0, outcome.err
+    kept = Table.read(statistics_path(output))
+    assert np.all(kept["m1_var"] > 0)
+    packed = [{name: np.asarray(row[name]) for name in PACKED} for row in kept]
+    # Four antennas see galaxies that the population does not have.
+    found = [one for one in packed if len(one["lattice"])]
+    assert found
+    for one in found:
+        assert sum(array.nbytes for array in one.values()) < 10_000
+        likelihood = unpack(one)
+        assert likelihood.log_likelihood.max() == 0
+        assert np.all(likelihood.flux > 0)
 
 
 def test_moments_are_kept_beside_the_shapes(

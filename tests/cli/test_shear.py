@@ -2,14 +2,18 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import astropy.units as u
 import numpy as np
 import pytest
 from astropy.table import Table
 
+from tests.shear.test_bayesian import POPULATION, Toy
 from uvshear import __version__
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.geometry.ellipticity import add_shear
 from uvshear.io.shapes import COLUMNS, DERIVED, shapes_table, write_shapes
-from uvshear.io.statistics import statistics_path, write_statistics
+from uvshear.io.statistics import statistics_path, statistics_table, write_statistics
+from uvshear.shear.packing import PACKED, pack
 
 
 @pytest.fixture
@@ -122,3 +126,89 @@ def test_moments_of_another_table_are_refused(uvshear: Callable, kept: Path) -> 
     outcome = uvshear("shear", kept, "--estimator", "moments")
     assert outcome.status == 2
     assert "has 199 rows" in outcome.err
+
+
+@pytest.fixture
+def likely(shapes: Path) -> Path:
+    """Likelihoods beside the shapes: of galaxies behind a shear of 0.05, 0; some have none."""
+    rng = np.random.default_rng(3)
+    modulus = POPULATION.ellipticity.draw_modulus(75, rng)
+    intrinsic = modulus * np.exp(2j * np.pi * rng.uniform(size=75))
+    lensed = add_shear(np.concatenate([intrinsic, -intrinsic]), 0.05 + 0j)
+    kept = {
+        k: pack(Toy(complex(e), 0.06, size=0.0).on_lattice())
+        for k, e in enumerate(lensed, start=30)
+    }
+    write_statistics(statistics_path(shapes), statistics_table(np.arange(200), PACKED, kept))
+    return shapes
+
+
+def test_likelihoods_kept_become_a_shear(uvshear: Callable, tmp_path: Path, likely: Path) -> None:
+    output = tmp_path / "shear.json"
+    outcome = uvshear("shear", likely, "--estimator", "bayesian", "-o", output)
+    assert outcome.status == 0, outcome.err
+    estimate = json.loads(output.read_text())
+    assert estimate["estimator"] == "bayesian"
+    assert estimate["n"] == 150
+    assert 0.003 < estimate["g1_err"] < 0.03
+    # rings of shapes without noise: nearer than the error
+    assert abs(estimate["g1"] - 0.05) < 0.5 * estimate["g1_err"]
+    assert abs(estimate["g2"]) < 0.5 * estimate["g2_err"]
+
+
+def _calibration(path: Path, **changed: object) -> Path:
+    record = {"m1": -0.1, "m1_err": 0.01, "m2": 0.0, "m2_err": 0.0, "c1": 1e-3, "c1_err": 1e-3}
+    record |= {"c2": 0.0, "c2_err": 0.0, "n": 10, "snr_min": 10.0, "estimator": "mean"} | changed
+    path.write_text(json.dumps(record))
+    return path
+
+
+def test_a_calibration_is_applied(uvshear: Callable, tmp_path: Path, shapes: Path) -> None:
+    bias = _calibration(tmp_path / "bias.json")
+    for name, words in (("raw", ()), ("calibrated", ("--calibration", bias))):
+        assert uvshear("shear", shapes, *words, "-o", tmp_path / f"{name}.json").status == 0
+    raw, calibrated = (
+        json.loads((tmp_path / f"{name}.json").read_text()) for name in ("raw", "calibrated")
+    )
+    assert calibrated["g1"] == pytest.approx((raw["g1"] - 1e-3) / 0.9)
+    assert calibrated["g1_err"] > raw["g1_err"] / 0.9
+    assert calibrated["g2"] == raw["g2"]
+    assert calibrated["calibration"] == str(bias)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ({"estimator": "moments"}, "is of the estimator 'moments', the shear of 'mean'"),
+        ({"m1": None}, "has no number 'm1'"),
+        ("[1, 2]", "is not a file written by `uvshear bias`"),
+        ("{", "cannot be read as JSON"),
+        (None, "no such file"),
+    ],
+)
+def test_a_wrong_calibration_is_named(
+    uvshear: Callable, tmp_path: Path, shapes: Path, content: object, message: str
+) -> None:
+    path = tmp_path / "bias.json"
+    if isinstance(content, dict):
+        _calibration(path, **content)
+    elif isinstance(content, str):
+        path.write_text(content)
+    outcome = uvshear("shear", shapes, "--calibration", path, "-o", tmp_path / "shear.json")
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert not (tmp_path / "shear.json").exists()
+
+
+def test_bins_of_flux_share_the_galaxies(uvshear: Callable, tmp_path: Path, shapes: Path) -> None:
+    table = Table.read(shapes)
+    table["flux"] = np.linspace(10, 199, len(table)) * (1e-6 * u.Jy).to(table["flux"].unit).value
+    table.write(shapes, overwrite=True)
+    output = tmp_path / "shear.json"
+    assert uvshear("shear", shapes, "--flux-min-ujy", "15", "-o", output).status == 0
+    estimate = json.loads(output.read_text())
+    assert [one["flux"] for one in estimate["bins"]] == ["10-20 uJy", "20-50 uJy", "50-200 uJy"]
+    flux = np.linspace(10, 199, 200)
+    expected = [int(((flux >= a) & (flux < b)).sum()) for a, b in ((15, 20), (20, 50), (50, 200))]
+    assert [one["n"] for one in estimate["bins"]] == expected
+    assert estimate["n"] == sum(expected)

@@ -21,9 +21,9 @@ _SHARPEST = 1e-6
 _NARROWEST = 0.65
 """Standard deviation of the posterior along an axis of the lattice, in steps, below which the step is halved."""
 
-_CORE, _FURTHEST = 2.5, 8.0
-_ROOM = 64
-"""Steps from the best fit, along any axis, that a lattice has room for."""
+_CORE, _FURTHEST = 2.5, 5.0
+_ROOM, _MOST_ROOM = 64, 200
+"""Steps along an axis that a lattice has room for: about where it starts, and from the best fit at most."""
 
 _GROWTH = 1.5
 _MOST_ATTEMPTS = 10
@@ -147,11 +147,13 @@ def _in_steps(axes: Float[Array, "3 3"], covariance: Float[Array, "3 3"]) -> Flo
 
 def _core(covariance: Float[Array, "3 3"]) -> Int[Array, "point 3"]:
     """Points that are surely wanted, an ellipsoid of ``_CORE`` standard deviations: at once, not layer by layer."""
-    reach = np.minimum(_CORE * np.sqrt(np.diag(covariance)), _FURTHEST).astype(int)
+    # The axes of the lattice follow those of the covariance: its diagonal is enough.
+    length = np.clip(_CORE * np.sqrt(np.maximum(np.diag(covariance), 0)), 0.5, _FURTHEST)
+    reach = length.astype(int)
     box = np.stack(np.meshgrid(*(np.arange(-r, r + 1) for r in reach), indexing="ij"), axis=-1)
     points = box.reshape(-1, 3)
-    distance = np.einsum("pi,ij,pj->p", points, np.linalg.inv(covariance), points)
-    return np.vstack([points[distance <= _CORE**2], _NEIGHBOURS])
+    inside = np.sum((points / length) ** 2, axis=1) <= 1
+    return np.vstack([points[inside], _NEIGHBOURS])
 
 
 class _Lattice:
@@ -168,41 +170,49 @@ class _Lattice:
         most: int,
     ) -> None:
         """Put the lattice so that the first of the starts is one of its points; the ``core`` is about it."""
-        self._position, self._prior, self._axes, self._core = position, prior, axes, core
-        self._starts, self._origin = starts, starts[0]
+        self._position, self._prior, self._axes = position, prior, axes
+        self._origin = starts[0]
         self._share, self._most = share, most
-        self._seen = np.zeros((2 * _ROOM + 1,) * 3, bool)
+        away = np.rint((starts - self._origin) @ np.linalg.inv(axes).T)
+        self._first = np.vstack([away[np.all(np.abs(away) <= _MOST_ROOM, axis=1)], core]).astype(
+            int
+        )
+        self._room = np.minimum(np.abs(self._first).max(axis=0) + _ROOM, _MOST_ROOM)
+        # Zeros that nobody writes take no memory.
+        self._seen = np.zeros(2 * self._room + 1, bool)
         self._count, self._is_full = 0, False
 
     def flood(self) -> PosteriorSamples:
         """Grow from the starts until the border lies all round, or until there are too many points."""
-        away = (self._starts - self._origin) @ np.linalg.inv(self._axes).T
         # The edge of the disc may cut off the best fit itself: begin with what is about it too.
-        frontier = self._new_points(np.vstack([np.rint(away).astype(int), self._core]))
+        frontier = self._new_points(self._first)
         found: list[tuple[Array, Array, Array, MarginalLikelihood]] = []
         points: list[Int[Array, "point 3"]] = []
         highest = -math.inf
-        while len(frontier) and self._count < self._most and not self._is_full:
+        while len(frontier) and not self._is_full:
             e, size, log_density, marginal = self._evaluate(frontier)
             found.append((e, size, log_density, marginal))
             points.append(frontier)
             highest = max(highest, float(log_density.max()))
             inner = frontier[log_density > highest - DEPTH]
             frontier = self._new_points((inner[:, None, :] + _NEIGHBOURS).reshape(-1, 3))
+            self._is_full |= self._count > self._most
         is_covered = len(frontier) == 0 and not self._is_full
         return self._collect(found, np.concatenate(points), is_covered=is_covered)
 
     def _new_points(self, points: Int[Array, "point 3"]) -> Int[Array, "new 3"]:
         """Those not seen before, within the disc; one beyond the room that there is ends it."""
-        inside = np.all(np.abs(points) <= _ROOM, axis=1)
+        inside = np.all(np.abs(points) <= self._room, axis=1)
         self._is_full |= not inside.all()
-        codes = np.unique(np.ravel_multi_index(tuple((points[inside] + _ROOM).T), self._seen.shape))
+        places = points[inside] + self._room
+        codes = np.unique(np.ravel_multi_index(tuple(places.T), self._seen.shape))
         codes = codes[~self._seen.flat[codes]]
         self._seen.flat[codes] = True
-        self._count += len(codes)
-        new = np.stack(np.unravel_index(codes, self._seen.shape), axis=-1) - _ROOM
+        new = np.stack(np.unravel_index(codes, self._seen.shape), axis=-1) - self._room
         e, _ = self._shape(new)
-        return new[np.isfinite(self._prior.ellipticity.log_density(e))]
+        new = new[np.isfinite(self._prior.ellipticity.log_density(e))]
+        self._count += len(new)
+        return new
 
     def _shape(
         self, points: Int[Array, "point 3"]
