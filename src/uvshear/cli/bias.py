@@ -73,6 +73,12 @@ def bias(
     orientations: Annotated[
         int, typer.Option(min=2, help="Directions of g, equally spaced, the first at 22.5 deg.")
     ] = 2,
+    rings: Annotated[
+        bool,
+        typer.Option(
+            "--rings/--no-rings", help="See galaxies with e and -e, for c; m needs only one."
+        ),
+    ] = True,
     legacy_shear: Annotated[
         bool,
         typer.Option("--legacy-shear", help="Keep alpha under shear, as the paper; no true shear."),
@@ -151,6 +157,7 @@ def bias(
         snr_min=snr_min,
         flux_min=flux_min_ujy * MICROJANSKY,
         position_sigma=position_error_arcsec * ARCSEC,
+        has_rings=rings,
         seed=seed,
     )
     with progress_bar("calibrating") as progress:
@@ -167,6 +174,7 @@ def bias(
         "estimator": estimator.value,
         "shear": shear,
         "orientations": orientations,
+        "rings": rings,
         "legacy_shear": legacy_shear,
         "profile": profile.value,
         "prior": prior.value,
