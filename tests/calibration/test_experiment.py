@@ -11,6 +11,7 @@ from uvshear.calibration.estimators import (
     MeanEstimator,
     MomentEstimator,
     Seen,
+    SelectedEstimator,
 )
 from uvshear.calibration.experiment import TURNED, Experiment, calibrate, sums_of
 from uvshear.constants import ARCSEC
@@ -222,3 +223,19 @@ def test_galaxies_below_a_flux_are_left_out(experiment, moments):
     every = sums_of(experiment, moments, SHEARS, 0, 50).count
     some = sums_of(replace(experiment, flux_min=50e-6), moments, SHEARS, 0, 50).count
     np.testing.assert_array_equal(some, [0, 0, every[2]])
+
+
+def test_a_cut_on_what_was_measured_takes_galaxies_out_look_by_look(experiment, moments):
+    everyone = sums_of(experiment, moments, SHEARS, 0, 12).values
+    same = sums_of(experiment, SelectedEstimator(moments, 0.0), SHEARS, 0, 12)
+    np.testing.assert_array_equal(same.values, everyone)
+    nobody = sums_of(experiment, SelectedEstimator(moments, 1e6), SHEARS, 0, 12)
+    assert not nobody.values.any()
+    assert not nobody.failed.any()
+    some = sums_of(experiment, SelectedEstimator(moments, 20.0), SHEARS, 0, 12).values
+    assert 0 < some[:, :, 2].sum() / everyone[:, :, 2].sum() < 1
+
+
+def test_without_rings_each_galaxy_is_seen_twice_behind_a_shear(experiment):
+    assert len(experiment.takes) == 4
+    assert len(replace(experiment, has_rings=False).takes) == 2

@@ -47,3 +47,19 @@ def test_a_wrong_call_is_one_line(
     assert message in outcome.err
     assert len(outcome.err.splitlines()) == 1
     assert not output.exists()
+
+
+@pytest.mark.parametrize(
+    "words", ["--selection measured", "--no-rings", "--position-error-arcsec 1", "--prior fitted"]
+)
+def test_what_a_crowd_does_not_know_is_refused(
+    uvshear: Callable, tmp_path: Path, words: str
+) -> None:
+    output = tmp_path / "bias.json"
+    outcome = uvshear(
+        "bias", "--estimator", "moments", "--galaxies", "100", "--density", "3",
+        *words.split(), "-o", output,
+    )  # fmt: skip
+    assert outcome.status == 2
+    assert words.split(maxsplit=1)[0] in outcome.err
+    assert not output.exists()

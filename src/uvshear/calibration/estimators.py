@@ -9,10 +9,10 @@ import numpy as np
 from uvshear.calibration.isolated import Stage
 from uvshear.fit.measurement import FitFlag
 from uvshear.fit.prior import ShapePrior
-from uvshear.fit.shape import measure_shape
+from uvshear.fit.shape import fit_galaxy, measure_shape
 from uvshear.galaxy import DiscEllipticityPrior, EllipticityPrior, Exponential, Profile
 from uvshear.interferometer.facet import Facet
-from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic
+from uvshear.measurement.keep import Kept, LikelihoodStatistic, MomentStatistic
 from uvshear.shear.bayesian import UnlensedPopulation, gradient_and_curvature
 from uvshear.shear.hierarchy import fit_population
 from uvshear.shear.moments import moment_weight
@@ -90,11 +90,36 @@ class MomentEstimator(Estimator):
     def term(self, seen: Seen) -> Term | None:
         """M_1, M_2 and their derivatives by the shear, weighed by the catalogue's flux."""
         kept = self._statistic.of(seen.facet, seen.stage.cutout, seen.prior)
-        noise = (kept["m1_var"] + kept["m2_var"]) / 2
-        weight = float(moment_weight(np.array([seen.flux]), np.array([noise]))[0])
-        value = np.array([kept["m1"], kept["m2"]])
-        response = np.array([[kept["r11"], kept["r12"]], [kept["r12"], kept["r22"]]])
-        return weight * value, weight * response
+        return moment_term(kept, seen.flux)
+
+
+def moment_term(kept: Kept, flux: float) -> Term:
+    """Moments and responses of a galaxy, weighed by its flux in the catalogue [Jy]."""
+    noise = (kept["m1_var"] + kept["m2_var"]) / 2
+    weight = float(moment_weight(np.array([flux]), np.array([noise]))[0])
+    value = np.array([kept["m1"], kept["m2"]])
+    response = np.array([[kept["r11"], kept["r12"]], [kept["r12"], kept["r22"]]])
+    return weight * value, weight * response
+
+
+class SelectedEstimator(Estimator):
+    """Another estimator, of galaxies whose fitted signal-to-noise ratio is high enough: shear and noise have a say."""
+
+    def __init__(self, estimator: Estimator, snr_min: float) -> None:
+        """``snr_min`` is the least S sqrt<m, m> of the best fit."""
+        self._estimator, self._snr_min = estimator, snr_min
+        self.is_expanded, self.is_learning = estimator.is_expanded, estimator.is_learning
+
+    def term(self, seen: Seen) -> Term | None:
+        """Give the other's term, or nothing at all."""
+        fit = fit_galaxy(seen.facet, seen.prior, Exponential())
+        if fit is None or fit.snr < self._snr_min:
+            return np.zeros(2), np.zeros((2, 2))
+        return self._estimator.term(seen)
+
+    def learned(self, sample: Sequence[Seen]) -> "SelectedEstimator":
+        """Let the other learn."""
+        return SelectedEstimator(self._estimator.learned(sample), self._snr_min)
 
 
 class BayesianEstimator(Estimator):

@@ -3,6 +3,7 @@
 
 import cmath
 import math
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -29,6 +30,7 @@ from uvshear.errors import InputError
 
 if TYPE_CHECKING:
     from uvshear.calibration.bias import Bias
+    from uvshear.calibration.crowded import FieldEstimator
     from uvshear.calibration.estimators import Estimator
 
 EPILOG = (
@@ -43,6 +45,13 @@ class CalibratedName(StrEnum):
     MEAN = "mean"
     MOMENTS = "moments"
     BAYESIAN = "bayesian"
+
+
+class SelectionName(StrEnum):
+    """What a cut by the signal-to-noise ratio looks at."""
+
+    CATALOGUE = "catalogue"
+    MEASURED = "measured"
 
 
 def register(app: typer.Typer) -> None:
@@ -60,10 +69,23 @@ def bias(
         ),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="JSON file to write.")],
+    density: Annotated[
+        float | None,
+        typer.Option(
+            callback=positive,
+            help="Galaxies a square arcminute, together in the beam and extracted; else each alone.",
+        ),
+    ] = None,
     snr_min: Annotated[
         float,
         typer.Option(callback=non_negative, help="Leave out galaxies whose flux makes for less."),
     ] = 10.0,
+    selection: Annotated[
+        SelectionName,
+        typer.Option(
+            help="What the SNR is of: the catalogue's flux, or the fit, which shear moves."
+        ),
+    ] = SelectionName.CATALOGUE,
     flux_min_ujy: Annotated[
         float, typer.Option(callback=non_negative, help="Leave out fainter galaxies.")
     ] = 0.0,
@@ -116,23 +138,39 @@ def bias(
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Measure m and c of an estimator on isolated galaxies, behind opposite shears with the same noise."""
+    """Measure m and c of an estimator, on galaxies alone or in a crowd, behind opposite shears with the same noise."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    from uvshear.calibration.estimators import SelectedEstimator
     from uvshear.calibration.experiment import Experiment, calibrate
-    from uvshear.constants import ARCSEC, MICROJANSKY
+    from uvshear.constants import ARCMIN, ARCSEC, MICROJANSKY
     from uvshear.geometry.directions import PhaseCentre
     from uvshear.interferometer.coverage import Track
     from uvshear.interferometer.layout import load_layout
     from uvshear.interferometer.plan import ObservingPlan
     from uvshear.interferometer.spectral_window import Channels
     from uvshear.io.outputs import check_file, write_json
-    from uvshear.pipeline import beam_of
+    from uvshear.measurement import MeasurementOptions
+    from uvshear.pipeline import beam_of, calibrate_crowded, crowded_field
+    from uvshear.simulation.field import SquareField
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
     from uvshear.simulation.noise_level import GalaxyNoise
-    from uvshear.simulation.population import Population
+    from uvshear.simulation.population import Population, draw_population
 
     check_file(output, overwrite=overwrite)
     if shear >= 1:
         raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
+    if density is not None:
+        refuse_in_a_crowd(
+            {
+                "--selection measured": selection is SelectionName.MEASURED,
+                "--prior fitted": prior is PriorName.FITTED,
+                "--no-rings": not rings,
+                "--position-error-arcsec": position_error_arcsec > 0,
+            }
+        )
     centre = PhaseCentre(0.0, math.radians(declination_deg))
     track = Track.from_clock(centre, ((-hours * 1800, hours * 1800),), integration_s)
     plan = ObservingPlan(
@@ -143,31 +181,54 @@ def bias(
     angles = [math.pi / 4 + 2 * math.pi * k / orientations for k in range(orientations)]
     shears = tuple(cmath.rect(shear, angle) for angle in angles) if shear else (0j,)
     population = Population()
-    experiment = Experiment(
-        beam=beam_of(
+    noise = GalaxyNoise(snr_at[0] * MICROJANSKY, snr_at[1])
+    lens = shear_at_fixed_scale_length if legacy_shear else shear_galaxies
+    if density is not None:
+        field = SquareField(math.sqrt(galaxies / density) * ARCMIN)
+        rng = np.random.default_rng(seed)
+        drawn = draw_population(population, field, number=galaxies, rng=rng)
+        crowd = crowded_field(
             plan,
-            population,
-            noise=GalaxyNoise(snr_at[0] * MICROJANSKY, snr_at[1]),
+            drawn,
+            shears,
+            noise=noise,
+            snr_min=snr_min,
+            seed=seed,
             threads=thread_count(threads),
-        ),
-        shears=shears,
-        population=population,
-        profile=profile_of(profile),
-        lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
-        snr_min=snr_min,
-        flux_min=flux_min_ujy * MICROJANSKY,
-        position_sigma=position_error_arcsec * ARCSEC,
-        has_rings=rings,
-        seed=seed,
-    )
-    with progress_bar("calibrating") as progress:
-        biases = calibrate(
-            experiment,
-            estimator_of(estimator, prior, experiment.position_sigma),
-            galaxies,
-            thread_count(threads),
-            progress,
         )
+        crowd = replace(
+            crowd,
+            used=crowd.used & (drawn.flux >= flux_min_ujy * MICROJANSKY),
+            lens=lens,
+            profile=profile_of(profile),
+        )
+        options = MeasurementOptions(threads=thread_count(threads))
+        with progress_bar("calibrating") as progress:
+            biases = calibrate_crowded(crowd, field_estimator_of(estimator), options, progress)
+    else:
+        experiment = Experiment(
+            beam=beam_of(plan, population, noise=noise, threads=thread_count(threads)),
+            shears=shears,
+            population=population,
+            profile=profile_of(profile),
+            lens=lens,
+            snr_min=snr_min if selection is SelectionName.CATALOGUE else 0.0,
+            flux_min=flux_min_ujy * MICROJANSKY,
+            position_sigma=position_error_arcsec * ARCSEC,
+            has_rings=rings,
+            seed=seed,
+        )
+        method = estimator_of(estimator, prior, experiment.position_sigma)
+        if selection is SelectionName.MEASURED:
+            method = SelectedEstimator(method, snr_min)
+        with progress_bar("calibrating") as progress:
+            biases = calibrate(
+                experiment,
+                method,
+                galaxies,
+                thread_count(threads),
+                progress,
+            )
     for one in biases:
         say(describe(one))
     record = biases[0].record() | {
@@ -178,7 +239,9 @@ def bias(
         "legacy_shear": legacy_shear,
         "profile": profile.value,
         "prior": prior.value,
+        "density": density,
         "snr_min": snr_min,
+        "selection": selection.value,
         "flux_min_ujy": flux_min_ujy,
         "declination_deg": declination_deg,
         "seed": seed,
@@ -186,6 +249,13 @@ def bias(
         "bins": [{"flux": one.name, **one.record()} for one in biases[1:]],
     }
     write_json(output, record, overwrite=overwrite)
+
+
+def refuse_in_a_crowd(given: Mapping[str, bool]) -> None:
+    """Refuse what is for galaxies alone in the beam."""
+    for name, is_given in given.items():
+        if is_given:
+            raise InputError(f"{name}: is for galaxies alone in the beam; leave out --density")
 
 
 def describe(one: "Bias") -> str:
@@ -213,3 +283,15 @@ def estimator_of(name: CalibratedName, prior: PriorName, position_sigma: float) 
     if name is CalibratedName.BAYESIAN:
         return BayesianEstimator(is_learning=prior is PriorName.FITTED)
     return MeanEstimator()
+
+
+def field_estimator_of(name: CalibratedName) -> "FieldEstimator":
+    """Return the estimator of a name for galaxies of a field."""
+    from uvshear.calibration.crowded import FieldBayesian, FieldMean, FieldMoments
+
+    kinds = {
+        CalibratedName.MEAN: FieldMean,
+        CalibratedName.MOMENTS: FieldMoments,
+        CalibratedName.BAYESIAN: FieldBayesian,
+    }
+    return kinds[name]()
