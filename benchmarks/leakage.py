@@ -27,8 +27,8 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.psf_shape import measure_psf
 from uvshear.interferometer.spectral_window import Channels
-from uvshear.pipeline import beam_of
 from uvshear.simulation.population import Population
+from uvshear.trials import beam_of
 
 LATITUDE = -30.7
 ZENITH_DISTANCES = (0.0, 20.0, 40.0, 60.0)

@@ -16,26 +16,21 @@ import numpy as np
 from astropy.table import Table
 from scipy.spatial import cKDTree
 
-from uvshear.calibration.bias import Bias
-from uvshear.calibration.crowded import FieldEstimator, FieldExperiment, calibrate_field
-from uvshear.calibration.isolated import Beam
 from uvshear.constants import REFERENCE_FREQUENCY
 from uvshear.errors import InputError
-from uvshear.extraction.natural import natural_norms
 from uvshear.fit.measurement import FitFlag, ShapeMeasurement
 from uvshear.galaxy import (
     Exponential,
     Galaxies,
     Profile,
-    SizeFluxRelation,
 )
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import synthesise
 from uvshear.interferometer.extent import Extent, measure_extent
 from uvshear.interferometer.noise import Noise
 from uvshear.interferometer.plan import ObservingPlan
-from uvshear.interferometer.visibilities import Observation, VisibilitySet
-from uvshear.io.catalogue import Catalogue, catalogue_from_galaxies, catalogue_from_table
+from uvshear.interferometer.visibilities import Observation
+from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
 from uvshear.measurement import Extracted, Field, MeasurementOptions, Progress
 from uvshear.shear.bayesian import UnlensedPopulation
@@ -47,7 +42,6 @@ from uvshear.shear.weight import lensfit_weight
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.observation import SimulatedObservation
-from uvshear.simulation.population import Population
 from uvshear.typing import Array, Bool, Float, Int
 
 Lens = Callable[[Galaxies, complex], Galaxies]
@@ -131,75 +125,6 @@ def extract(
     extent = measure_extent(observation)
     field = _prepare(catalogue, observation.phase_centre, extent, options)
     return field, options.extraction.measure(observation, field, options, progress)
-
-
-def beam_of(
-    plan: ObservingPlan,
-    population: Population,
-    *,
-    noise: GalaxyNoise | None = None,
-    threads: int = 1,
-) -> Beam:
-    """Beam of an observation towards its phase centre, in which ``calibration`` puts galaxies of a population."""
-    faintest = np.array([population.flux.minimum])
-    size = population.size.prior(faintest)
-    nothing = Galaxies(
-        l=np.zeros(1),
-        m=np.zeros(1),
-        flux=np.zeros(1),
-        scale_length=np.exp(size.log_median),
-        ellipticity=np.zeros(1, complex),
-        spectral_index=np.array([population.spectral_index]),
-    )
-    profile = Exponential()
-    coverage = synthesise(plan.layout, plan.track)
-    level = (noise or GalaxyNoise()).scaled_to(coverage, plan.channels, profile, threads)
-    observation = SimulatedObservation(
-        coverage, plan.channels, nothing, profile, level, None, threads
-    )
-    smallest = float(np.exp(size.log_median[0] - 2 * size.sigma[0]))
-    return Beam.of(observation, nothing, smallest, threads)
-
-
-def crowded_field(
-    plan: ObservingPlan,
-    galaxies: Galaxies,
-    shears: tuple[complex, ...],
-    *,
-    noise: GalaxyNoise,
-    snr_min: float = 0.0,
-    seed: int = 1,
-    threads: int = 1,
-) -> FieldExperiment:
-    """Galaxies together in the beam, to be calibrated; ``snr_min`` cuts by the SNR of a flux at the median size."""
-    fitted = Exponential()
-    coverage = synthesise(plan.layout, plan.track)
-    level = noise.scaled_to(coverage, plan.channels, fitted, threads)
-    nothing = replace(galaxies.select(np.array([0])), flux=np.zeros(1))
-    empty = SimulatedObservation(coverage, plan.channels, nothing, fitted, level, seed, threads)
-    seen = VisibilitySet(plan.track.phase_centre, tuple(empty.chunks()))
-    median = np.exp(SizeFluxRelation().prior(galaxies.flux).log_median)
-    round_ones = replace(
-        galaxies, scale_length=median, ellipticity=np.zeros(len(galaxies), complex)
-    )
-    snr = galaxies.flux * np.sqrt(natural_norms(seen, round_ones, fitted, threads))
-    return FieldExperiment(galaxies, seen, shears, snr >= snr_min, threads=threads)
-
-
-def calibrate_crowded(
-    experiment: FieldExperiment,
-    estimator: FieldEstimator,
-    options: MeasurementOptions,
-    step: Progress | None = None,
-) -> list[Bias]:
-    """Bias of an estimator in a crowded field, through the whole measurement."""
-    keeping = replace(options, keep=estimator.statistics)
-
-    def measured(observation: VisibilitySet, galaxies: Galaxies) -> Extracted:
-        catalogue = catalogue_from_galaxies(galaxies, observation.phase_centre)
-        return extract(observation, catalogue, keeping)[1]
-
-    return calibrate_field(experiment, estimator, measured, step)
 
 
 SAME_PLACE = 0.25

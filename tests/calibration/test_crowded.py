@@ -23,12 +23,12 @@ from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.measurement import MeasurementOptions
 from uvshear.measurement.extraction import Extracted
-from uvshear.pipeline import calibrate_crowded, crowded_field
 from uvshear.shear.packing import pack
 from uvshear.shear.weight import lensfit_weight
 from uvshear.simulation.field import SquareField
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.population import Population, draw_population
+from uvshear.trials import calibrate_crowded, crowded_field
 
 SHEARS = (0.03 * np.exp(0.25j * np.pi), -0.03 * np.exp(0.25j * np.pi))
 

@@ -28,9 +28,10 @@ from uvshear.interferometer.spectral_window import Channels
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.measurement import MeasurementOptions
 from uvshear.measurement.keep import MomentStatistic
-from uvshear.pipeline import beam_of, extract, simulate
+from uvshear.pipeline import extract, simulate
 from uvshear.simulation.lensing import shear_at_fixed_scale_length
 from uvshear.simulation.population import Population
+from uvshear.trials import beam_of
 
 SHEARS = (0.03 * np.exp(0.25j * np.pi), -0.03 * np.exp(0.25j * np.pi))
 

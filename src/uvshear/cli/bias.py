@@ -153,11 +153,11 @@ def bias(
     from uvshear.interferometer.spectral_window import Channels
     from uvshear.io.outputs import check_file, write_json
     from uvshear.measurement import MeasurementOptions
-    from uvshear.pipeline import beam_of, calibrate_crowded, crowded_field
     from uvshear.simulation.field import SquareField
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
     from uvshear.simulation.noise_level import GalaxyNoise
     from uvshear.simulation.population import Population, draw_population
+    from uvshear.trials import beam_of, calibrate_crowded, crowded_field
 
     check_file(output, overwrite=overwrite)
     if shear >= 1:
