@@ -223,7 +223,10 @@ def bayesian_shear(
         {name: np.asarray(value) for name, value in zip(PACKED, row, strict=True)}
         for row in statistics.iterrows(*PACKED)
     )
-    likelihoods = [unpack(one) if len(one["lattice"]) else None for one in packed]
+    # A table without a single likelihood has NaN in place of arrays.
+    likelihoods = [
+        unpack(one) if one["lattice"].ndim and len(one["lattice"]) else None for one in packed
+    ]
     return BayesianShear(likelihoods, population or UnlensedPopulation())
 
 
@@ -236,7 +239,9 @@ def selected(
     the flux.
     """
     chosen = np.array(shapes["flag"] == "ok") & (inside(shapes, "snr") >= snr_min)
-    return chosen & (inside(shapes, "flux") >= flux_min)
+    if flux_min > 0:
+        chosen &= inside(shapes, "flux") >= flux_min
+    return chosen
 
 
 def _prepare(

@@ -63,3 +63,23 @@ def test_what_a_crowd_does_not_know_is_refused(
     assert outcome.status == 2
     assert words.split(maxsplit=1)[0] in outcome.err
     assert not output.exists()
+
+
+@pytest.mark.parametrize("words", ["--flux-min-ujy 300", "--selection measured --snr-min 1e6"])
+def test_cuts_that_leave_nothing_are_told(uvshear: Callable, tmp_path: Path, words: str) -> None:
+    output = tmp_path / "bias.json"
+    outcome = uvshear("bias", "--estimator", "moments", *QUICK, *words.split(), "-o", output)
+    assert outcome.status == 2
+    assert "0 galaxies" in outcome.err
+    assert not output.exists()
+
+
+def test_a_crowd_is_calibrated(uvshear: Callable, tmp_path: Path) -> None:
+    output = tmp_path / "bias.json"
+    words = ("--galaxies", "100", "--density", "8", "--integration-s", "14400", "--shear", "0")
+    outcome = uvshear("bias", "--estimator", "mean", *words, "--threads", "2", "-o", output)
+    assert outcome.status == 0, outcome.err
+    record = json.loads(output.read_text())
+    assert record["density"] == 8.0
+    assert record["n"] + record["failed"] <= 100
+    assert abs(record["c1"]) < 0.2

@@ -158,7 +158,7 @@ def test_likelihoods_kept_become_a_shear(uvshear: Callable, tmp_path: Path, like
 
 def _calibration(path: Path, **changed: object) -> Path:
     record = {"m1": -0.1, "m1_err": 0.01, "m2": 0.0, "m2_err": 0.0, "c1": 1e-3, "c1_err": 1e-3}
-    record |= {"c2": 0.0, "c2_err": 0.0, "n": 10, "snr_min": 10.0, "estimator": "mean"} | changed
+    record |= {"c2": 0.0, "c2_err": 0.0, "n": 10, "snr_min": 0.0, "estimator": "mean"} | changed
     path.write_text(json.dumps(record))
     return path
 
@@ -179,7 +179,10 @@ def test_a_calibration_is_applied(uvshear: Callable, tmp_path: Path, shapes: Pat
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ({"estimator": "moments"}, "is of the estimator 'moments', the shear of 'mean'"),
+        ({"estimator": "moments"}, "is of the estimator moments, the shear of mean"),
+        ({"snr_min": 10.0}, "is of --snr-min 10, the shear of 0"),
+        ({"flux_min_ujy": 25.0}, "is of --flux-min-ujy 25, the shear of 0"),
+        ({"m2": -1.5}, "m is -1 or less"),
         ({"m1": None}, "has no number 'm1'"),
         ("[1, 2]", "is not a file written by `uvshear bias`"),
         ("{", "cannot be read as JSON"),
@@ -202,13 +205,46 @@ def test_a_wrong_calibration_is_named(
 
 def test_bins_of_flux_share_the_galaxies(uvshear: Callable, tmp_path: Path, shapes: Path) -> None:
     table = Table.read(shapes)
-    table["flux"] = np.linspace(10, 199, len(table)) * (1e-6 * u.Jy).to(table["flux"].unit).value
+    table["flux"] = np.geomspace(10, 199, len(table)) * (1e-6 * u.Jy).to(table["flux"].unit).value
     table.write(shapes, overwrite=True)
     output = tmp_path / "shear.json"
-    assert uvshear("shear", shapes, "--flux-min-ujy", "15", "-o", output).status == 0
+    assert uvshear("shear", shapes, "--flux-min-ujy", "12", "-o", output).status == 0
     estimate = json.loads(output.read_text())
     assert [one["flux"] for one in estimate["bins"]] == ["10-20 uJy", "20-50 uJy", "50-200 uJy"]
-    flux = np.linspace(10, 199, 200)
-    expected = [int(((flux >= a) & (flux < b)).sum()) for a, b in ((15, 20), (20, 50), (50, 200))]
+    flux = np.geomspace(10, 199, 200)
+    expected = [int(((flux >= a) & (flux < b)).sum()) for a, b in ((12, 20), (20, 50), (50, 200))]
     assert [one["n"] for one in estimate["bins"]] == expected
     assert estimate["n"] == sum(expected)
+
+
+def test_likelihoods_of_no_source_are_no_shear(uvshear: Callable, shapes: Path) -> None:
+    write_statistics(statistics_path(shapes), statistics_table(np.arange(200), PACKED, {}))
+    outcome = uvshear("shear", shapes, "--estimator", "bayesian")
+    assert outcome.status == 2
+    assert "the shear of 0 galaxies" in outcome.err
+
+
+def test_statistics_of_other_sources_are_refused(uvshear: Callable, kept: Path) -> None:
+    path = statistics_path(kept)
+    table = Table.read(path)
+    write_statistics(path, table[::-1], overwrite=True)
+    outcome = uvshear("shear", kept, "--estimator", "moments")
+    assert outcome.status == 2
+    assert "is of other sources" in outcome.err
+
+
+def test_a_table_without_fluxes_has_a_shear_and_no_bins(
+    uvshear: Callable, tmp_path: Path, shapes: Path
+) -> None:
+    table = Table.read(shapes)
+    table.remove_column("flux")
+    table.write(shapes, overwrite=True)
+    output = tmp_path / "shear.json"
+    assert uvshear("shear", shapes, "-o", output).status == 0
+    assert json.loads(output.read_text())["bins"] == []
+
+
+def test_a_prior_is_for_the_estimator_that_has_one(uvshear: Callable, shapes: Path) -> None:
+    outcome = uvshear("shear", shapes, "--prior", "fitted")
+    assert outcome.status == 2
+    assert "mean has no prior" in outcome.err

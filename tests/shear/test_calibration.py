@@ -10,7 +10,11 @@ from uvshear.shear.mean import ShearEstimate
 def test_the_bias_is_taken_out_and_its_errors_are_in():
     one, two = Component(-0.1, 0.01, 2e-3, 1e-3), Component(0.05, 0.0, 0.0, 0.0)
     measured = ShearEstimate(0.9 * 0.03 + 2e-3, 4e-3, 1.05 * -0.02, 5e-3, 100, "mean")
-    got = Calibration(one, two, "mean", 10.0).applied(measured)
+    known = Calibration((one, two), {"10-20 uJy": (one, two)}, "mean", 10.0)
+    got = known.applied(measured)
+    assert known.applied_by_flux({"10-20 uJy": measured, "20-50 uJy": measured}) == {
+        "10-20 uJy": got
+    }
     assert got.g1 == pytest.approx(0.03)
     assert got.g2 == pytest.approx(-0.02)
     # (4e-3)^2 + (1e-3)^2 + (0.03 x 0.01)^2, over 0.9

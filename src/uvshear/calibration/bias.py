@@ -10,8 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uvshear.errors import InputError
 from uvshear.shear.response import jackknife_error
-from uvshear.typing import Array, Float
+from uvshear.typing import Array, Bool, Float
+
+LEAST_BLOCKS = 2
 
 
 @dataclass(frozen=True)
@@ -55,8 +58,15 @@ def shears_of(
 ) -> Float[Array, "... shear 2"]:
     """Shears that sums of an estimator's numbers (two, and four of their response) come to."""
     response = values[..., 2:].reshape(*values.shape[:-1], 2, 2)
+    if np.any(np.all(response == 0, axis=(-2, -1))):
+        raise InputError("no galaxy tells of the shear: none passes the cuts, or none was measured")
     ratio = np.linalg.solve(response, values[..., :2, None])[..., 0]
     return ratio + np.array([[g.real, g.imag] for g in about])
+
+
+def is_told(values: Float[Array, "block shear 6"]) -> Bool[Array, " block"]:
+    """Which blocks have a galaxy behind every shear."""
+    return np.all(np.any(values[..., 2:] != 0, axis=-1), axis=-1)
 
 
 def fit_bias(
@@ -67,7 +77,15 @@ def fit_bias(
     n: int,
     failed: int = 0,
 ) -> Bias:
-    """Fit m and c to ``shears`` that add up to zero, from sums over blocks of galaxies; m is NaN if all are zero."""
+    """Fit m and c to ``shears`` that add up to zero, from sums over blocks of galaxies; m is NaN if all are zero.
+
+    Blocks without a galaxy are left out; two are needed for an error.
+    """
+    values = values[is_told(values)]
+    if len(values) < LEAST_BLOCKS:
+        raise InputError(
+            f"{name}: {n} galaxies in {len(values)} blocks; more galaxies are needed for an error"
+        )
     g = np.array([[shear.real, shear.imag] for shear in shears])
     length = np.sum(g**2, axis=0)
     length[length == 0] = np.nan

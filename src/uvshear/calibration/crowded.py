@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from uvshear.calibration.bias import Bias, fit_bias, shears_of
+from uvshear.calibration.bias import LEAST_BLOCKS, Bias, fit_bias, is_told, shears_of
 from uvshear.calibration.estimators import moment_term
 from uvshear.constants import MICROJANSKY
 from uvshear.fit.measurement import FitFlag
@@ -104,14 +104,12 @@ class FieldEstimator(ABC):
         self, extracted: Extracted, flux: Float[Array, " source"], about: complex
     ) -> Float[Array, "source 6"]:
         """Numbers of all sources."""
-        return np.array(
-            [
-                self.term(extracted, k, float(flux[k]), about)
-                if extracted.measurements[k].flag is FitFlag.OK
-                else NOTHING
-                for k in range(len(flux))
-            ]
-        )
+        rows = np.full((len(flux), 6), np.nan)
+        # A source may be missing: outside the field, or at the place of another.
+        for k, shape in extracted.measurements.items():
+            if shape.flag is FitFlag.OK:
+                rows[k] = self.term(extracted, k, float(flux[k]), about)
+        return rows
 
 
 @dataclass(frozen=True)
@@ -212,11 +210,10 @@ def _by_flux(
         wanted = experiment.used & (galaxies.flux >= low * MICROJANSKY)
         wanted &= galaxies.flux < high * MICROJANSKY
         chosen = wanted & good
-        if chosen.sum() < 2 * BLOCKS:
-            continue
         values = np.zeros((BLOCKS**2, len(experiment.shears), 6))
         np.add.at(values, block[chosen], terms[:, chosen].swapaxes(0, 1))
-        values = values[np.any(values != 0, axis=(1, 2))]
+        if name != "all" and is_told(values).sum() < LEAST_BLOCKS:
+            continue
         failed = int(wanted.sum() - chosen.sum())
         n = int(chosen.sum())
         biases.append(fit_bias(name, experiment.shears, about, values, n, failed))

@@ -3,13 +3,13 @@
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from multiprocessing import get_context
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from uvshear.calibration.bias import Bias, fit_bias, shears_of
+from uvshear.calibration.bias import LEAST_BLOCKS, Bias, fit_bias, is_told, shears_of
 from uvshear.calibration.estimators import Estimator, Seen
 from uvshear.calibration.isolated import Beam, Noise, Stage
 from uvshear.constants import MICROJANSKY
@@ -154,7 +154,7 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Sums:
-    """Sums of an estimator's numbers over the galaxies of a block, how many these are, and measurements that failed."""
+    """Sums of an estimator's numbers over the galaxies of a block, how many tell something, and failed measurements."""
 
     values: Float[Array, "bin shear 6"]
     count: Float[Array, " bin"]
@@ -171,9 +171,9 @@ def calibrate(
     """Bias of an estimator in total and by flux; the same whatever the number of processes."""
     about: Sequence[complex] = [0j] * len(experiment.shears)
     if estimator.is_learning:
-        # Behind one shear, each with its noise once, as a survey has them; not those that are measured.
-        sample = looks(replace(experiment, shears=(0j,)), [0j], galaxies, PUPILS)
-        estimator = estimator.learned([seen for _, _, seen in list(sample)[::2]])
+        # Without shear, each once, as a survey has them; not those that are measured.
+        every = looks(replace(experiment, shears=(0j,)), [0j], galaxies, PUPILS)
+        estimator = estimator.learned([seen for _, _, seen in islice(every, 0, None, len(TURNED))])
     if estimator.is_expanded:
         for _ in range(PILOT_ROUNDS):
             sums = _run(experiment, estimator, about, min(PILOT, galaxies), threads, None)
@@ -187,7 +187,9 @@ def calibrate(
     named = [("all", values.sum(axis=1), int(count.sum()), int(failed.sum()))]
     for k, (low, high) in enumerate(pairwise(FLUX_BINS)):
         named.append((f"{low:g}-{high:g} uJy", values[:, k], int(count[k]), int(failed[k])))
-    return [fit_bias(name, shears, about, part, n, bad) for name, part, n, bad in named if n > 1]
+    total, *bins = named
+    told = [one for one in bins if is_told(one[1]).sum() >= LEAST_BLOCKS]
+    return [fit_bias(name, shears, about, part, n, bad) for name, part, n, bad in (total, *told)]
 
 
 def _run(
@@ -250,10 +252,10 @@ def sums_of(
     failed = np.zeros(len(edges) - 1)
     for number_of, column, seen in looks(experiment, about, first, number):
         row = int(np.clip(np.searchsorted(edges, seen.flux, side="right") - 1, 0, len(edges) - 2))
-        galaxies[row].add(number_of)
         if (term := estimator.term(seen)) is None:
             failed[row] += 1
-        else:
+        elif term[1].any():
+            galaxies[row].add(number_of)
             values[row, column] += np.concatenate([term[0], term[1].ravel()])
     return Sums(values, np.array([float(len(one)) for one in galaxies]), failed)
 

@@ -162,15 +162,25 @@ def bias(
     check_file(output, overwrite=overwrite)
     if shear >= 1:
         raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
-    if density is not None:
-        refuse_in_a_crowd(
-            {
+    is_learning = prior is PriorName.FITTED
+    refuse(
+        {
+            f"--prior fitted: {estimator.value} has no prior; bayesian has": is_learning
+            and estimator is not CalibratedName.BAYESIAN
+        }
+    )
+    refuse(
+        {
+            f"{name}: is for galaxies alone in the beam; leave out --density": is_given
+            and density is not None
+            for name, is_given in {
                 "--selection measured": selection is SelectionName.MEASURED,
-                "--prior fitted": prior is PriorName.FITTED,
+                "--prior fitted": is_learning,
                 "--no-rings": not rings,
                 "--position-error-arcsec": position_error_arcsec > 0,
-            }
-        )
+            }.items()
+        }
+    )
     centre = PhaseCentre(0.0, math.radians(declination_deg))
     track = Track.from_clock(centre, ((-hours * 1800, hours * 1800),), integration_s)
     plan = ObservingPlan(
@@ -218,9 +228,8 @@ def bias(
             has_rings=rings,
             seed=seed,
         )
-        method = estimator_of(estimator, prior, experiment.position_sigma)
-        if selection is SelectionName.MEASURED:
-            method = SelectedEstimator(method, snr_min)
+        alone = estimator_of(estimator, prior, experiment.position_sigma)
+        method = SelectedEstimator(alone, snr_min) if selection is SelectionName.MEASURED else alone
         with progress_bar("calibrating") as progress:
             biases = calibrate(
                 experiment,
@@ -251,11 +260,11 @@ def bias(
     write_json(output, record, overwrite=overwrite)
 
 
-def refuse_in_a_crowd(given: Mapping[str, bool]) -> None:
-    """Refuse what is for galaxies alone in the beam."""
-    for name, is_given in given.items():
-        if is_given:
-            raise InputError(f"{name}: is for galaxies alone in the beam; leave out --density")
+def refuse(wrong: Mapping[str, bool]) -> None:
+    """Refuse with the first sentence that is true."""
+    for sentence, is_true in wrong.items():
+        if is_true:
+            raise InputError(sentence)
 
 
 def describe(one: "Bias") -> str:

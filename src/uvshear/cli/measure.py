@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from uvshear.extraction.residual_image import DirtyAndResidual
+    from uvshear.galaxy import Profile
     from uvshear.measurement import Extraction
     from uvshear.measurement.keep import Statistic
 
@@ -137,7 +138,7 @@ def measure(
     keep: Annotated[
         str | None,
         typer.Option(
-            help="Statistics for uvshear shear, kept beside the shapes: moments (converged only).",
+            help="For uvshear shear, kept beside the shapes: likelihood,moments (converged only).",
             show_default=False,
         ),
     ] = None,
@@ -154,7 +155,7 @@ def measure(
     """Measure the ellipticity of every source of a catalogue from the visibilities."""
     uv_range = uv_range_of(uv_min or 0.0, uv_max)
     way = extraction_of(extraction, facet, facet_size, rounds, uv_min)
-    statistics = statistics_of(keep, extraction)
+    statistics = statistics_of(keep, extraction, profile_of(profile))
 
     from uvshear.constants import ARCSEC
     from uvshear.galaxy import CatalogueSize, SizeFluxRelation
@@ -164,7 +165,7 @@ def measure(
     from uvshear.io.outputs import check_file
     from uvshear.io.remarks import remarks_on
     from uvshear.io.shapes import write_shapes
-    from uvshear.io.statistics import statistics_path, statistics_table, write_statistics
+    from uvshear.io.statistics import keep_statistics, statistics_path
     from uvshear.io.tables import check_table_name
     from uvshear.measurement import MeasurementOptions
     from uvshear.measurement.options import half_of_memory
@@ -205,10 +206,8 @@ def measure(
     made = provenance(context, *measurement_sets, catalogue)
     shapes.meta.update(made.metadata())
     write_shapes(output, shapes, overwrite=overwrite)
-    if statistics:
-        columns = tuple(name for one in statistics for name in one.columns)
-        kept = statistics_table(shapes["id"], columns, extracted.kept)
-        write_statistics(statistics_path(output), kept, overwrite=overwrite)
+    columns = tuple(name for one in statistics for name in one.columns)
+    keep_statistics(output, shapes["id"], columns, extracted.kept, overwrite=overwrite)
     for path in measurement_sets:
         for remark in remarks_on(path, column, field_of(field)):
             warn(remark)
@@ -224,22 +223,24 @@ def measure(
         _draw(images, shorten(measurement_sets[0].name), residual_image, overwrite=overwrite)
 
 
-def statistics_of(keep: str | None, extraction: ExtractionName) -> "tuple[Statistic, ...]":
-    """Return the statistics of names joined by commas."""
+def statistics_of(
+    keep: str | None, extraction: ExtractionName, profile: "Profile"
+) -> "tuple[Statistic, ...]":
+    """Return the statistics of names joined by commas; likelihoods are of the ``profile``."""
     from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic
 
     if keep is None:
         return ()
     if extraction is not ExtractionName.CONVERGED:
         raise InputError(f"--keep {keep}: only --extraction converged keeps statistics")
-    known: dict[str, type[Statistic]] = {
-        "likelihood": LikelihoodStatistic,
-        "moments": MomentStatistic,
+    known: dict[str, Statistic] = {
+        "likelihood": LikelihoodStatistic(profile),
+        "moments": MomentStatistic(),
     }
     for name in keep.split(","):
         if name not in known:
             raise InputError(f"--keep {keep}: '{name}' is not known; {', '.join(known)} are")
-    return tuple(kind() for name, kind in known.items() if name in keep.split(","))
+    return tuple(one for name, one in known.items() if name in keep.split(","))
 
 
 def _draw(images: "DirtyAndResidual", title: str, path: Path, *, overwrite: bool) -> None:

@@ -62,7 +62,7 @@ def shear(
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Estimate the shear: the weighted mean ellipticity with 1000 bootstraps, or moments with a jackknife."""
+    """Estimate the shear: mean ellipticity (errors by 1000 bootstraps), moments or likelihoods (by a jackknife)."""
     from uvshear.constants import MICROJANSKY
     from uvshear.io.calibration import read_calibration
     from uvshear.io.outputs import check_file, write_json
@@ -73,19 +73,30 @@ def shear(
     if output is not None:
         inputs = (shapes,) if calibration is None else (shapes, calibration)
         check_file(output, overwrite=overwrite, inputs=inputs)
-    bias = None if calibration is None else read_calibration(calibration)
-    if bias is not None and bias.estimator != estimator.value:
+    if prior is PriorName.FITTED and estimator is not EstimatorName.BAYESIAN:
         raise InputError(
-            f"{calibration}: is of the estimator '{bias.estimator}', the shear of '{estimator.value}'"
+            f"--prior fitted: {estimator.value} has no prior; --estimator bayesian has"
         )
+    flux_min = flux_min_ujy * MICROJANSKY
+    bias = None if calibration is None else read_calibration(calibration)
+    if bias is not None:
+        same = {
+            "the estimator": (bias.estimator, estimator.value),
+            "--snr-min": (f"{bias.snr_min:g}", f"{snr_min:g}"),
+            "--flux-min-ujy": (f"{bias.flux_min / MICROJANSKY:g}", f"{flux_min_ujy:g}"),
+        }
+        for name, (its, own) in same.items():
+            if its != own:
+                raise InputError(f"{calibration}: is of {name} {its}, the shear of {own}")
     table = read_shapes(shapes)
-    chosen = selected(table, snr_min=snr_min, flux_min=flux_min_ujy * MICROJANSKY)
+    chosen = selected(table, snr_min=snr_min, flux_min=flux_min)
     method = _method(estimator, shapes, table, seed)
     if prior is PriorName.FITTED and isinstance(method, BayesianShear):
         method = method.fitted(chosen)
-    total, bins = method.of(chosen), by_flux(method, inside(table, "flux"), chosen)
+    total = method.of(chosen)
+    bins = by_flux(method, inside(table, "flux"), chosen) if "flux" in table.colnames else {}
     if bias is not None:
-        total = bias.applied(total)
+        total, bins = bias.applied(total), bias.applied_by_flux(bins)
     say(describe_shear(total))
     for name, one in bins.items():
         say(f"{name}: {describe_shear(one)}")
@@ -105,10 +116,10 @@ def _method(name: EstimatorName, shapes: Path, table: "Table", seed: int) -> "Sh
     from uvshear.shear.packing import PACKED
 
     if name is EstimatorName.MOMENTS:
-        kept = read_statistics(shapes, len(table), MomentStatistic.columns, "moments")
+        kept = read_statistics(shapes, table["id"], MomentStatistic.columns, "moments")
         return moment_shear(table, kept)
     if name is EstimatorName.BAYESIAN:
-        return bayesian_shear(read_statistics(shapes, len(table), PACKED, "likelihood"))
+        return bayesian_shear(read_statistics(shapes, table["id"], PACKED, "likelihood"))
     return mean_shear(table, seed)
 
 

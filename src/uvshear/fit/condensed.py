@@ -11,6 +11,7 @@ and the same with squares for <m, m>. No data enter X: it serves all facets of t
 
 from collections.abc import Hashable
 from dataclasses import dataclass
+from threading import Lock
 from typing import Self
 
 import numpy as np
@@ -138,14 +139,27 @@ class Condenser:
 
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
-        self._known: dict[tuple[Hashable, int, float], Condensation] = {}
+        self._known: dict[tuple[Hashable, float, int, float], Condensation] = {}
+        self._lock = Lock()
 
     def of(self, facet: Facet, cells: Hashable, prior: ShapePrior) -> Condensation:
-        """For a facet like all others on those ``cells``, and the sizes of a prior."""
+        """For a facet of such ``cells`` and such a beam, and the sizes of a prior."""
         rung, sigma = round(prior.log_scale_length / _RUNG), prior.log_scale_length_sigma
-        key = cells, rung, sigma
-        if key not in self._known:
-            middle, reach = rung * _RUNG, _REACH * sigma + _RUNG / 2
-            sizes = middle - reach, middle + reach
-            self._known[key] = Condensation.of(facet, self._profile, sizes)
-        return self._known[key]
+        beam = round(float(facet.power[0] / np.mean(facet.power)), 4)
+        key = cells, beam, rung, sigma
+        # One thread makes it, from the same facet whichever comes first.
+        with self._lock:
+            if key not in self._known:
+                middle, reach = rung * _RUNG, _REACH * sigma + _RUNG / 2
+                sizes = middle - reach, middle + reach
+                self._known[key] = Condensation.of(facet, self._profile, sizes)
+            return self._known[key]
+
+    def __getstate__(self) -> dict[str, object]:
+        """Locks do not travel between processes."""
+        return {"_profile": self._profile, "_known": self._known}
+
+    def __setstate__(self, state: dict[str, object]) -> None:
+        """Take a lock of its own."""
+        self.__dict__.update(state)
+        self._lock = Lock()

@@ -1,6 +1,7 @@
 """The likelihood of a galaxy's shape, wherever a population makes it matter: what a Bayesian shear needs."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,10 +9,11 @@ import numpy as np
 from uvshear.fit.condensed import Condensation, CondensedCorrelator
 from uvshear.fit.correlator import Correlator
 from uvshear.fit.maximum import maximise_likelihood, search_radius
+from uvshear.fit.measurement import FitFlag
 from uvshear.fit.position import PositionQuadrature
 from uvshear.fit.posterior import PosteriorSamples, Steps, sample_about
 from uvshear.fit.prior import ShapePrior
-from uvshear.fit.shape import FLOAT32_SNR
+from uvshear.fit.shape import FLOAT32_SNR, is_determined, judge
 from uvshear.galaxy import EllipticityPrior, Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.typing import Array, Float
@@ -57,7 +59,7 @@ def sample_likelihood(
     prior: ShapePrior,
     profile: Profile,
     population: EllipticityPrior,
-    condensation: Condensation | None = None,
+    condensation: Callable[[], Condensation] | None = None,
 ) -> LikelihoodSamples | None:
     """Likelihood over all shapes of the population that the data allow; None where there is no galaxy.
 
@@ -71,21 +73,21 @@ def sample_likelihood(
     )
     correlator = Correlator(facet, profile)
     best = maximise_likelihood(correlator, expected)
-    if best is None or not best.has_converged:
-        return None
-    if best.snr > FLOAT32_SNR:
+    if best is not None and best.snr > FLOAT32_SNR:
         correlator = Correlator(facet, profile, np.float64)
         best = maximise_likelihood(correlator, expected)
-        if best is None or not best.has_converged:
-            return None
+    if best is None or not is_determined(best):
+        return None
+    if judge(best, correlator, expected) is not FitFlag.OK:
+        return None
     condensed = (
-        CondensedCorrelator(correlator, condensation)
+        CondensedCorrelator(correlator, condensation())
         if condensation is not None and best.snr < CONDENSED_SNR
         else correlator
     )
     position = PositionQuadrature.about(condensed, best, search_radius(correlator, expected))
     samples = sample_about(best, position, expected, steps=STEPS)
-    if not samples.is_covered:
+    if not samples.is_covered or not np.all(np.isfinite(samples.probability)):
         return None
     given, unit = samples.given_shape, correlator.flux_unit
     return LikelihoodSamples(

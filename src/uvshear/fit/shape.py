@@ -39,11 +39,7 @@ def fit_galaxy(
         return None
     correlator = Correlator(facet, profile)
     best = maximise_likelihood(correlator, prior, start)
-    if (
-        best is None
-        or not _is_determined(best)
-        or _judge(best, correlator, prior) is not FitFlag.OK
-    ):
+    if best is None or not is_determined(best) or judge(best, correlator, prior) is not FitFlag.OK:
         return None
     return _galaxy(best, correlator)
 
@@ -67,7 +63,7 @@ def measure_shape(
     best = maximise_likelihood(correlator, prior, start)
     if best is None:
         return ShapeMeasurement.failed(FitFlag.NO_PEAK)
-    if not _is_determined(best):
+    if not is_determined(best):
         return ShapeMeasurement.failed(FitFlag.UNDETERMINED)
     if best.snr > FLOAT32_SNR:
         correlator = Correlator(facet, profile, np.float64)
@@ -75,7 +71,7 @@ def measure_shape(
     samples = sample_posterior(correlator, prior, best, share)
     if not np.all(np.isfinite(samples.probability)):
         return ShapeMeasurement.failed(FitFlag.NOT_CONVERGED)
-    flag = _judge(best, correlator, prior) if samples.is_covered else FitFlag.NOT_CONVERGED
+    flag = judge(best, correlator, prior) if samples.is_covered else FitFlag.NOT_CONVERGED
     shape = _summarise(samples, correlator, best, flag)
     if flag is FitFlag.OK and shape.e_sigma < NARROW * _expected_e_sigma(best, prior):
         return replace(shape, best=None, flag=FitFlag.UNRELIABLE)
@@ -92,7 +88,7 @@ def _galaxy(best: BestFit, correlator: Correlator) -> GalaxyFit:
     )
 
 
-def _is_determined(best: BestFit) -> bool:
+def is_determined(best: BestFit) -> bool:
     """Whether the visibilities fix a position: one baseline does not."""
     scale = np.sqrt(np.maximum(np.diag(best.position_information), 1e-30))
     values = np.linalg.eigvalsh(best.position_information / np.outer(scale, scale))
@@ -103,7 +99,8 @@ def _has_data(facet: Facet) -> bool:
     return len(facet.uv) > 0 and float(np.sum(facet.power)) > 0
 
 
-def _judge(best: BestFit, correlator: Correlator, prior: ShapePrior) -> FitFlag:
+def judge(best: BestFit, correlator: Correlator, prior: ShapePrior) -> FitFlag:
+    """Tell whether a best fit was found, and where it may be."""
     if not best.has_converged:
         return FitFlag.NOT_CONVERGED
     # The lattice of starts reaches the edge; the climb may go a little over it.

@@ -2,10 +2,12 @@
 
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
+from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
-from uvshear.shear.calibration import Calibration, Component
+from uvshear.shear.calibration import Calibration, Component, Pair
 
 
 def read_calibration(path: Path) -> Calibration:
@@ -18,15 +20,32 @@ def read_calibration(path: Path) -> Calibration:
         raise InputError(f"{path}: cannot be read as JSON: {error}") from error
     if not isinstance(record, dict):
         raise InputError(f"{path}: is not a file written by `uvshear bias`")
+    bins = {
+        str(one["flux"]): _pair(path, one)
+        for one in record.get("bins", [])
+        if isinstance(one, dict) and "flux" in one
+    }
+    flux_min = float(record.get("flux_min_ujy") or 0.0) * MICROJANSKY
+    estimator = str(record.get("estimator", ""))
+    return Calibration(
+        _pair(path, record), bins, estimator, _number(path, record, "snr_min"), flux_min
+    )
 
-    def number(name: str) -> float:
-        value = record.get(name)
-        if not isinstance(value, int | float) or not math.isfinite(value):
-            raise InputError(f"{path}: has no number '{name}'; `uvshear bias` writes one")
-        return float(value)
 
+def _pair(path: Path, record: Mapping[str, object]) -> Pair:
     first, second = (
-        Component(*(number(name) for name in (f"m{i}", f"m{i}_err", f"c{i}", f"c{i}_err")))
+        Component(
+            *(_number(path, record, name) for name in (f"m{i}", f"m{i}_err", f"c{i}", f"c{i}_err"))
+        )
         for i in (1, 2)
     )
-    return Calibration(first, second, str(record.get("estimator", "")), number("snr_min"))
+    if min(first.m, second.m) <= -1:
+        raise InputError(f"{path}: m is -1 or less: such an estimator does not see the shear")
+    return first, second
+
+
+def _number(path: Path, record: Mapping[str, object], name: str) -> float:
+    value = record.get(name)
+    if not isinstance(value, int | float) or not math.isfinite(value):
+        raise InputError(f"{path}: has no number '{name}'; `uvshear bias` with a shear writes one")
+    return float(value)

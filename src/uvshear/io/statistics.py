@@ -55,13 +55,30 @@ def statistics_table(
     return table
 
 
+def keep_statistics(
+    shapes: Path,
+    identifier: Array,
+    columns: tuple[str, ...],
+    kept: Mapping[int, Mapping[str, float | Array]],
+    *,
+    overwrite: bool,
+) -> None:
+    """Write what was kept beside the shapes; without columns, remove what is there of an overwritten measurement."""
+    path = statistics_path(shapes)
+    if columns:
+        table = statistics_table(identifier, columns, kept)
+        write_statistics(path, table, overwrite=overwrite)
+    elif overwrite:
+        path.unlink(missing_ok=True)
+
+
 def write_statistics(path: Path, table: Table, *, overwrite: bool = False) -> None:
     """Write them as FITS."""
     write_table(path, table, overwrite=overwrite)
 
 
-def read_statistics(shapes: Path, sources: int, columns: tuple[str, ...], keep: str) -> Table:
-    """Read what goes with a table of so many shapes; ``keep`` is the option that makes the columns."""
+def read_statistics(shapes: Path, identifier: Array, columns: tuple[str, ...], keep: str) -> Table:
+    """Read what goes with a table of shapes of these sources; ``keep`` is the option that makes the columns."""
     path = statistics_path(shapes)
     if not path.exists():
         raise InputError(
@@ -70,8 +87,12 @@ def read_statistics(shapes: Path, sources: int, columns: tuple[str, ...], keep: 
     table = read_table(path, f"file written by `uvshear measure --keep {keep}`")
     if lacking := [name for name in columns if name not in table.colnames]:
         raise InputError(f"{path}: has no column '{lacking[0]}'; measure again with --keep {keep}")
-    if len(table) != sources:
+    if len(table) != len(identifier):
         raise InputError(
-            f"{path}: has {len(table)} rows, {shapes} {sources}; both are of one measurement"
+            f"{path}: has {len(table)} rows, {shapes} {len(identifier)}; both are of one measurement"
+        )
+    if np.any(np.char.strip(table["id"].astype(str)) != np.char.strip(identifier.astype(str))):
+        raise InputError(
+            f"{path}: is of other sources than {shapes}; measure again, or sort neither"
         )
     return table

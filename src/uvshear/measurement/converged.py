@@ -1,7 +1,8 @@
 """All sources of a field together: visits of the visibilities, and in between everything that images can settle.
 
 1. Visit: subtract all models from the visibilities, gather what is left as one facet a source
-   (``extraction.residual``); the first time, the beams too (``extraction.beams``), and without the longest baselines.
+   (``extraction.residual``); the first time the beams too (``extraction.beams``), the first two times without the
+   longest baselines.
 2. Settle: fit the sources in turn and together until little moves any more (``measurement.settlement``).
 3. Again, until what settling leaves undone is a small part of the noise.
 4. Sample the posterior of every galaxy, and add what its neighbours, free, would change (``measurement.joint``).
@@ -20,6 +21,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from uvshear.concurrency import in_order
+from uvshear.constants import REFERENCE_FREQUENCY
 from uvshear.extraction.beams import NANOSECONDS, SIZE, Beams, directions, gather_beams
 from uvshear.extraction.cutout import Cutout
 from uvshear.extraction.facets import UvRange
@@ -139,6 +141,8 @@ class _Run:
         extent = field.extent
         self._spectrum = SpectralExpansion.of(sky, extent.lowest_frequency, extent.frequency)
         self._common = self._spectrum.fluxes[0] / np.where(sky.flux > 0, sky.flux, 1.0)
+        to_1_4_ghz = (REFERENCE_FREQUENCY / sky.reference_frequency) ** sky.spectral_index
+        self._at_1_4_ghz = self._common / to_1_4_ghz
         self._is_galaxy = field.flags[self._members] == FitFlag.OK
         self._expected = [
             GalaxyFit(float(flux), np.zeros(2), 0j, float(size), 0.0)
@@ -320,11 +324,12 @@ class _Run:
     def _keep(self, k: int, facet: Facet, cutout: Cutout) -> None:
         if not np.any(facet.power > 0):
             return
-        ratio, prior = float(self._common[k]), self._sources[k].prior.measured
-        in_catalogue_flux = Facet(facet.uv, facet.correlation * ratio, facet.power * ratio**2)
+        ratio, prior = float(self._at_1_4_ghz[k]), self._sources[k].prior.measured
+        # Populations know fluxes at 1.4 GHz, whatever those of the catalogue and of the facet are.
+        common = Facet(facet.uv, facet.correlation * ratio, facet.power * ratio**2)
         numbers: dict[str, float | Array] = {}
         for statistic in self._options.keep:
-            numbers.update(statistic.of(in_catalogue_flux, cutout, prior))
+            numbers.update(statistic.of(common, cutout, prior))
         if numbers:
             self._kept[int(self._members[k])] = numbers
 

@@ -92,8 +92,13 @@ class LikelihoodStatistic(Statistic):
 
     def likelihood(self, facet: Facet, cutout: Cutout, prior: ShapePrior) -> ShapeLikelihood | None:
         """Sample it; None where there is no galaxy."""
-        condensation = self._condenser.of(facet, cutout, prior)
-        found = sample_likelihood(facet, prior, self._profile, self._population, condensation)
+        found = sample_likelihood(
+            facet,
+            prior,
+            self._profile,
+            self._population,
+            lambda: self._condenser.of(facet, cutout, prior),
+        )
         if found is None:
             return None
         samples = found.samples

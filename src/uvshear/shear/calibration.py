@@ -1,6 +1,7 @@
 """A simulated bias, taken out of a shear."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from uvshear.shear.mean import ShearEstimate
@@ -21,17 +22,46 @@ class Component:
         return g, math.sqrt(error**2 + self.c_err**2 + (g * self.m_err) ** 2) / (1 + self.m)
 
 
+Pair = tuple[Component, Component]
+"""Of both components."""
+
+
 @dataclass(frozen=True)
 class Calibration:
-    """Bias of an ``estimator`` for galaxies of some signal-to-noise ratio and more."""
+    """Bias of an estimator, in total and by flux.
 
-    first: Component
-    second: Component
+    Parameters
+    ----------
+    total
+        Of all galaxies.
+    bins
+        By the name of the bin.
+    estimator
+        Its name.
+    snr_min, flux_min
+        Cuts that the galaxies had passed, by signal-to-noise ratio and by flux [Jy].
+    """
+
+    total: Pair
+    bins: Mapping[str, Pair]
     estimator: str
     snr_min: float
+    flux_min: float = 0.0
 
     def applied(self, estimate: ShearEstimate) -> ShearEstimate:
-        """Take the bias out of a shear of that estimator."""
-        g1, g1_err = self.first.corrected(estimate.g1, estimate.g1_err)
-        g2, g2_err = self.second.corrected(estimate.g2, estimate.g2_err)
-        return replace(estimate, g1=g1, g1_err=g1_err, g2=g2, g2_err=g2_err)
+        """Take the bias out of the shear of all galaxies."""
+        return _without(self.total, estimate)
+
+    def applied_by_flux(self, estimates: Mapping[str, ShearEstimate]) -> dict[str, ShearEstimate]:
+        """Take its own bias out of the shear of each bin; bins that were not simulated are left out."""
+        return {
+            name: _without(self.bins[name], one)
+            for name, one in estimates.items()
+            if name in self.bins
+        }
+
+
+def _without(bias: Pair, estimate: ShearEstimate) -> ShearEstimate:
+    g1, g1_err = bias[0].corrected(estimate.g1, estimate.g1_err)
+    g2, g2_err = bias[1].corrected(estimate.g2, estimate.g2_err)
+    return replace(estimate, g1=g1, g1_err=g1_err, g2=g2, g2_err=g2_err)

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from uvshear.constants import MICROJANSKY
+from uvshear.errors import InputError
 from uvshear.shear.bayesian import (
     ShapeLikelihood,
     UnlensedPopulation,
@@ -25,6 +26,12 @@ FLUX_BINS = (10.0, 20.0, 50.0, 200.0)
 
 ROUNDS = 3
 """Of the expansion about the estimate: what is left is of the fourth order in its first error."""
+
+LARGEST = 0.3
+"""Shear that an expansion is taken about, at most."""
+
+FEWEST = 20
+"""Galaxies of a bin of flux that is told."""
 
 LEAST = 2
 """Galaxies that a shear needs."""
@@ -108,15 +115,24 @@ class BayesianShear(ShearEstimator):
     def of(self, chosen: Bool[Array, " source"]) -> ShearEstimate:
         """Shear at which the chosen galaxies are most probable, by ``ROUNDS`` steps from none."""
         used = self._chosen(chosen)
-        about, estimate = 0j, None
-        for _ in range(ROUNDS):
-            terms = [gradient_and_curvature(one, self.population, about) for one in used]
-            value = np.array([q for q, _ in terms]).reshape(-1, 2)
-            response = np.array([h for _, h in terms]).reshape(-1, 2, 2)
-            estimate = Responses(value, response, about).shear("bayesian")
+        about = 0j
+        for _ in range(ROUNDS - 1):
+            estimate = self._step(used, about)
             about = complex(estimate.g1, estimate.g2)
-        assert estimate is not None
-        return estimate
+            about *= min(1.0, LARGEST / max(abs(about), 1e-12))
+        return self._step(used, about)
+
+    def _step(self, used: Sequence[ShapeLikelihood], about: complex) -> ShearEstimate:
+        terms = [gradient_and_curvature(one, self.population, about) for one in used]
+        # Those that the population does not have say nothing.
+        telling = [(q, h) for q, h in terms if h.any()]
+        if len(telling) < LEAST:
+            raise InputError(
+                f"the shear of {len(telling)} galaxies that the population has, of {len(used)} with a"
+                f" likelihood; {LEAST} or more are needed"
+            )
+        value, response = (np.array(part) for part in zip(*telling, strict=True))
+        return Responses(value, response, about).shear("bayesian")
 
 
 def by_flux(
@@ -127,6 +143,6 @@ def by_flux(
     for low, high in pairwise(FLUX_BINS):
         inside = chosen & estimator.usable & (flux >= low * MICROJANSKY)
         inside &= flux < high * MICROJANSKY
-        if inside.sum() >= LEAST:
+        if inside.sum() >= FEWEST:
             found[f"{low:g}-{high:g} uJy"] = estimator.of(inside)
     return found

@@ -27,7 +27,7 @@ DIFFERENCE = 0.03
 LONGEST = 0.4
 """Step of a parameter at most."""
 
-_ROUNDS = 8
+_ROUNDS = 12
 _TOLERANCE = 0.1
 """Step over its error at which the climb ends."""
 
@@ -79,8 +79,10 @@ def fit_population(
         step *= min(1.0, LONGEST / float(np.abs(step).max()))
         population = moved(population, np.append(step, np.zeros(4 - count)))
         if is_there:
-            break
-    return FittedPopulation(population, covariance)
+            return FittedPopulation(population, covariance)
+    raise InputError(
+        f"no population was found in {_ROUNDS} steps: galaxies of another kind, or too few"
+    )
 
 
 def _scores(
