@@ -15,7 +15,12 @@ from pathlib import Path
 import numpy as np
 from astropy.table import Table, vstack
 
-from uvshear.calibration.estimators import BayesianEstimator, MeanEstimator, MomentEstimator
+from uvshear.calibration.estimators import (
+    BayesianEstimator,
+    Estimator,
+    MeanEstimator,
+    MomentEstimator,
+)
 from uvshear.calibration.experiment import Experiment, calibrate
 from uvshear.calibration.isolated import Beam
 from uvshear.constants import ARCSEC, MICROJANSKY
@@ -27,6 +32,7 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.psf_shape import measure_psf
 from uvshear.interferometer.spectral_window import Channels
+from uvshear.shear.bayesian import UnlensedPopulation
 from uvshear.simulation.population import Population
 from uvshear.trials import beam_of
 
@@ -34,7 +40,6 @@ LATITUDE = -30.7
 ZENITH_DISTANCES = (0.0, 20.0, 40.0, 60.0)
 SIZES = (0.6, 1.0, 1.6, 2.5)
 SNR = 20.0
-ESTIMATORS = {"mean": MeanEstimator, "moments": MomentEstimator, "bayesian": BayesianEstimator}
 
 
 def main() -> None:
@@ -56,7 +61,7 @@ def main() -> None:
 
 def parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--estimator", choices=sorted(ESTIMATORS), default="moments")
+    parser.add_argument("--estimator", choices=["bayesian", "mean", "moments"], default="moments")
     parser.add_argument("--galaxies", type=int, default=1000)
     parser.add_argument("--table", type=Path, help="ECSV to add the figures to")
     parser.add_argument("--seed", type=int, default=1)
@@ -87,10 +92,18 @@ def _lognormal(prior: ShapePrior) -> tuple[float, float]:
     return prior.log_scale_length, prior.log_scale_length_sigma
 
 
+def estimator_of(name: str, experiment: Experiment) -> Estimator:
+    """Estimator of a name; the Bayesian one knows the population that is drawn from."""
+    if name == "bayesian":
+        drawn = experiment.population
+        return BayesianEstimator(population=UnlensedPopulation(drawn.flux, drawn.size))
+    return MeanEstimator() if name == "mean" else MomentEstimator()
+
+
 def measured(arguments: argparse.Namespace, experiment: Experiment, about: dict) -> list[dict]:
     """One row a bin of flux."""
     start = time.perf_counter()
-    estimator = ESTIMATORS[arguments.estimator]()
+    estimator = estimator_of(arguments.estimator, experiment)
     biases = calibrate(experiment, estimator, arguments.galaxies, arguments.threads)
     psf = measure_psf(experiment.beam.image, experiment.beam.pixel)
     shape = {"psf_e1": psf.ellipticity.real, "psf_e2": psf.ellipticity.imag}
