@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from uvshear.calibration.bias import LEAST_BLOCKS, Bias, fit_bias, is_told, shears_of
-from uvshear.calibration.estimators import moment_term
+from uvshear.calibration.estimators import mean_term, moment_term
 from uvshear.constants import MICROJANSKY
 from uvshear.fit.measurement import FitFlag
 from uvshear.galaxy import (
@@ -19,13 +19,12 @@ from uvshear.galaxy import (
     Profile,
 )
 from uvshear.interferometer.visibilities import VisibilitySet
-from uvshear.measurement.extraction import Extracted
+from uvshear.measurement.extraction import Extracted, Progress
 from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic, Statistic
 from uvshear.predict import predict_visibilities
 from uvshear.shear.bayesian import UnlensedPopulation, gradient_and_curvature
 from uvshear.shear.estimator import FLUX_BINS
 from uvshear.shear.packing import unpack
-from uvshear.shear.weight import lensfit_weight
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.typing import Array, Bool, Float
 
@@ -42,8 +41,6 @@ Row = Float[Array, " 6"]
 
 Extract = Callable[[VisibilitySet, Galaxies], Extracted]
 """Measures an observation of galaxies, whose places and fluxes a catalogue has."""
-
-Step = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -120,9 +117,7 @@ class FieldMean(FieldEstimator):
 
     def term(self, extracted: Extracted, source: int, flux: float, about: complex) -> Row:
         """Ellipticity times lensfit's weight, and the weight."""
-        shape = extracted.measurements[source]
-        weight = float(lensfit_weight(np.array([shape.e_sigma]), self.population)[0])
-        return weight * np.array([*shape.ellipticity, 1.0, 0.0, 0.0, 1.0])
+        return _row(*mean_term(extracted.measurements[source], self.population))
 
 
 class FieldMoments(FieldEstimator):
@@ -165,7 +160,7 @@ def calibrate_field(
     experiment: FieldExperiment,
     estimator: FieldEstimator,
     extract: Extract,
-    step: Step | None = None,
+    step: Progress | None = None,
 ) -> list[Bias]:
     """Bias in total and by flux, of galaxies that were measured every time."""
     galaxies, shears = experiment.galaxies, experiment.shears

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from uvshear.calibration.isolated import Stage
-from uvshear.fit.measurement import FitFlag
+from uvshear.fit.measurement import FitFlag, ShapeMeasurement
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import fit_galaxy, measure_shape
 from uvshear.galaxy import DiscEllipticityPrior, EllipticityPrior, Exponential, Profile
@@ -76,8 +76,13 @@ class MeanEstimator(Estimator):
         shape = measure_shape(seen.facet, seen.prior, self.profile)
         if shape.flag is not FitFlag.OK:
             return None
-        weight = float(lensfit_weight(np.array([shape.e_sigma]), self.population)[0])
-        return weight * shape.ellipticity, weight * np.eye(2)
+        return mean_term(shape, self.population)
+
+
+def mean_term(shape: ShapeMeasurement, population: EllipticityPrior) -> Term:
+    """Ellipticity times lensfit's weight, and the weight."""
+    weight = float(lensfit_weight(np.array([shape.e_sigma]), population)[0])
+    return weight * shape.ellipticity, weight * np.eye(2)
 
 
 class MomentEstimator(Estimator):

@@ -163,24 +163,17 @@ def bias(
     if shear >= 1:
         raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
     is_learning = prior is PriorName.FITTED
-    refuse(
-        {
-            f"--prior fitted: {estimator.value} has no prior; bayesian has": is_learning
-            and estimator is not CalibratedName.BAYESIAN
-        }
-    )
-    refuse(
-        {
-            f"{name}: is for galaxies alone in the beam; leave out --density": is_given
-            and density is not None
-            for name, is_given in {
+    if is_learning and estimator is not CalibratedName.BAYESIAN:
+        raise InputError(f"--prior fitted: {estimator.value} has no prior; bayesian has")
+    if density is not None:
+        refuse_in_a_crowd(
+            {
                 "--selection measured": selection is SelectionName.MEASURED,
                 "--prior fitted": is_learning,
                 "--no-rings": not rings,
                 "--position-error-arcsec": position_error_arcsec > 0,
-            }.items()
-        }
-    )
+            }
+        )
     centre = PhaseCentre(0.0, math.radians(declination_deg))
     track = Track.from_clock(centre, ((-hours * 1800, hours * 1800),), integration_s)
     plan = ObservingPlan(
@@ -188,15 +181,17 @@ def bias(
         track,
         Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, 1),
     )
-    angles = [math.pi / 4 + 2 * math.pi * k / orientations for k in range(orientations)]
-    shears = tuple(cmath.rect(shear, angle) for angle in angles) if shear else (0j,)
+    shears = shears_of(shear, orientations)
     population = Population()
     noise = GalaxyNoise(snr_at[0] * MICROJANSKY, snr_at[1])
     lens = shear_at_fixed_scale_length if legacy_shear else shear_galaxies
     if density is not None:
-        field = SquareField(math.sqrt(galaxies / density) * ARCMIN)
-        rng = np.random.default_rng(seed)
-        drawn = draw_population(population, field, number=galaxies, rng=rng)
+        drawn = draw_population(
+            population,
+            SquareField(math.sqrt(galaxies / density) * ARCMIN),
+            number=galaxies,
+            rng=np.random.default_rng(seed),
+        )
         crowd = crowded_field(
             plan,
             drawn,
@@ -228,8 +223,8 @@ def bias(
             has_rings=rings,
             seed=seed,
         )
-        alone = estimator_of(estimator, prior, experiment.position_sigma)
-        method = SelectedEstimator(alone, snr_min) if selection is SelectionName.MEASURED else alone
+        one = estimator_of(estimator, prior, experiment.position_sigma)
+        method = SelectedEstimator(one, snr_min) if selection is SelectionName.MEASURED else one
         with progress_bar("calibrating") as progress:
             biases = calibrate(
                 experiment,
@@ -238,8 +233,7 @@ def bias(
                 thread_count(threads),
                 progress,
             )
-    for one in biases:
-        say(describe(one))
+    say("\n".join(map(describe, biases)))
     record = biases[0].record() | {
         "estimator": estimator.value,
         "shear": shear,
@@ -260,11 +254,17 @@ def bias(
     write_json(output, record, overwrite=overwrite)
 
 
-def refuse(wrong: Mapping[str, bool]) -> None:
-    """Refuse with the first sentence that is true."""
-    for sentence, is_true in wrong.items():
-        if is_true:
-            raise InputError(sentence)
+def shears_of(modulus: float, orientations: int) -> tuple[complex, ...]:
+    """Shears of one modulus in directions equally spaced; none is one shear of zero."""
+    angles = [math.pi / 4 + 2 * math.pi * k / orientations for k in range(orientations)]
+    return tuple(cmath.rect(modulus, angle) for angle in angles) if modulus else (0j,)
+
+
+def refuse_in_a_crowd(given: Mapping[str, bool]) -> None:
+    """Refuse options that are for galaxies alone in the beam."""
+    for name, is_given in given.items():
+        if is_given:
+            raise InputError(f"{name}: is for galaxies alone in the beam; leave out --density")
 
 
 def describe(one: "Bias") -> str:

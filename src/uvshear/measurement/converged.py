@@ -334,21 +334,26 @@ class _Run:
             self._kept[int(self._members[k])] = numbers
 
     def _foresee(self, plan: VisitPlan, *, is_first: bool) -> None:
-        """Tell the meter what is to come: a second visit is taken for granted, more are not."""
-        samples = self._field.extent.samples
-        tiles = [tile for band in plan.tiles[plan.top :] for tile in band]
-        visit = sum(work_of(samples // len(plan.bands), tile) for tile in tiles)
-        visit += len(self._members) * _FIT
+        """Tell the meter what is to come: rough visits and one of all baselines are taken for granted, more are not."""
+        visit = self._work_of(plan)
         if is_first:
+            rough = min(WITHOUT_LONGEST, self._method.most_visits - 1)
+            whole = self._work_of(self._plan(self._expected, is_rough=False))
             lm = np.column_stack([self._field.l, self._field.m])[self._members]
             nodes, _ = directions(lm)
-            self._meter.expect(NANOSECONDS * samples * len(nodes) + 2 * visit)
+            self._meter.expect(NANOSECONDS * self._field.extent.samples * len(nodes))
+            self._meter.expect(rough * visit + whole)
             self._meter.expect(int(self._is_galaxy.sum()) * _POSTERIOR)
-            self._visits_expected = 2
+            self._visits_expected = rough + 1
         elif self._visits_expected > 1:
             self._visits_expected -= 1
         else:
             self._meter.expect(visit)
+
+    def _work_of(self, plan: VisitPlan) -> float:
+        samples = self._field.extent.samples // len(plan.bands)
+        tiles = [tile for band in plan.tiles[plan.top :] for tile in band]
+        return sum(work_of(samples, tile) for tile in tiles) + len(self._members) * _FIT
 
 
 _FIT = 4e6
