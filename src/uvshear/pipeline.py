@@ -212,7 +212,8 @@ def moment_shear(shapes: Table, statistics: Table) -> MomentShear:
     r11, r12, r22 = (np.array(statistics[name], float) for name in ("r11", "r12", "r22"))
     response = np.stack([r11, r12, r12, r22], axis=-1).reshape(-1, 2, 2)
     variance = (np.array(statistics["m1_var"]) + np.array(statistics["m2_var"])) / 2
-    return MomentShear(Responses(value, response), variance, inside(shapes, "flux"))
+    third = np.array(statistics["r_third"], float)
+    return MomentShear(Responses(value, response), third, variance, inside(shapes, "flux"))
 
 
 def bayesian_shear(

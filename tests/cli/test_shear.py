@@ -96,7 +96,8 @@ def kept(shapes: Path) -> Path:
     response = rng.uniform(1, 2, n)
     table = Table({"id": np.arange(n)})
     values = {"m1": 0.04 * response, "m2": -0.03 * response, "m_size": response}
-    values |= {"r11": response, "r12": 0 * response, "r22": response}
+    # K = R/2: no third order is left in the ratio
+    values |= {"r11": response, "r12": 0 * response, "r22": response, "r_third": response / 2}
     values |= {"m1_var": np.ones(n), "m2_var": np.ones(n), "m12_cov": np.zeros(n)}
     for name, column in values.items():
         table[name] = column

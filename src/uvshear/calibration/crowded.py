@@ -123,6 +123,8 @@ class FieldMean(FieldEstimator):
 class FieldMoments(FieldEstimator):
     """Moments, weighed by the catalogue's flux."""
 
+    is_expanded = True
+
     def __init__(self) -> None:
         """Make the statistic that keeps them."""
         self.statistics = (MomentStatistic(),)
@@ -130,7 +132,7 @@ class FieldMoments(FieldEstimator):
     def term(self, extracted: Extracted, source: int, flux: float, about: complex) -> Row:
         """M_1, M_2 and their derivatives by the shear."""
         kept = extracted.kept.get(source)
-        return NOTHING if kept is None else _row(*moment_term(kept, flux))
+        return NOTHING if kept is None else _row(*moment_term(kept, flux, about))
 
 
 class FieldBayesian(FieldEstimator):

@@ -15,7 +15,8 @@ from uvshear.interferometer.facet import Facet
 from uvshear.measurement.keep import Kept, LikelihoodStatistic, MomentStatistic
 from uvshear.shear.bayesian import UnlensedPopulation, gradient_and_curvature
 from uvshear.shear.hierarchy import fit_population
-from uvshear.shear.moments import moment_weight
+from uvshear.shear.moments import about_shear, moment_weight
+from uvshear.shear.response import Responses
 from uvshear.shear.weight import lensfit_weight
 from uvshear.typing import Array, Float
 
@@ -88,6 +89,8 @@ def mean_term(shape: ShapeMeasurement, population: EllipticityPrior) -> Term:
 class MomentEstimator(Estimator):
     """Moments of the visibility function, linear in the data."""
 
+    is_expanded = True
+
     def __init__(self, position_sigma: float = 0.0) -> None:
         """``position_sigma`` is the error of the catalogue's position in l and in m [rad]."""
         self._statistic = MomentStatistic(position_sigma)
@@ -95,16 +98,18 @@ class MomentEstimator(Estimator):
     def term(self, seen: Seen) -> Term | None:
         """M_1, M_2 and their derivatives by the shear, weighed by the catalogue's flux."""
         kept = self._statistic.of(seen.facet, seen.stage.cutout, seen.prior)
-        return moment_term(kept, seen.flux)
+        return moment_term(kept, seen.flux, seen.about)
 
 
-def moment_term(kept: Kept, flux: float) -> Term:
-    """Moments and responses of a galaxy, weighed by its flux in the catalogue [Jy]."""
+def moment_term(kept: Kept, flux: float, about: complex) -> Term:
+    """Moments and responses of a galaxy about a shear, weighed by its flux in the catalogue [Jy]."""
     noise = (kept["m1_var"] + kept["m2_var"]) / 2
-    weight = float(moment_weight(np.array([flux]), np.array([noise]))[0])
-    value = np.array([kept["m1"], kept["m2"]])
-    response = np.array([[kept["r11"], kept["r12"]], [kept["r12"], kept["r22"]]])
-    return weight * value, weight * response
+    weight = moment_weight(np.array([flux]), np.array([noise]))
+    value = np.array([[kept["m1"], kept["m2"]]])
+    response = np.array([[[kept["r11"], kept["r12"]], [kept["r12"], kept["r22"]]]])
+    third = np.array([kept["r_third"]])
+    term = about_shear(Responses(value, response), third, about).weighted(weight)
+    return term.value[0], term.response[0]
 
 
 class SelectedEstimator(Estimator):

@@ -1,5 +1,6 @@
 """Isolated galaxies behind known shears, and what an estimator makes of them."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -102,8 +103,8 @@ class Experiment:
         Relation that the estimator takes its prior of the size from.
     snr_min
         Galaxies whose catalogue flux makes for less, at the median size, are left out: no shear changes that.
-    flux_min
-        Catalogue flux below which galaxies are left out [Jy].
+    flux_min, flux_max
+        Catalogue fluxes below and above which galaxies are left out [Jy].
     position_sigma
         Errors of the catalogue's position, in l and in m [rad].
     has_rings
@@ -121,6 +122,7 @@ class Experiment:
     size: SizeFluxRelation = field(default_factory=SizeFluxRelation)
     snr_min: float = 0.0
     flux_min: float = 0.0
+    flux_max: float = math.inf
     position_sigma: float = 0.0
     has_rings: bool = True
     seed: int = 1
@@ -277,7 +279,7 @@ def looks(
         noise = stage.noise(rng)
         flux = float(galaxies.flux[k])
         bright = flux * stage.snr_of_jansky(prior, FITTED) >= experiment.snr_min
-        if not bright or flux < experiment.flux_min:
+        if not bright or not experiment.flux_min <= flux <= experiment.flux_max:
             continue
         for column, shear in enumerate(about):
             for lensed, altered in takes:

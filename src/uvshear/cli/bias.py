@@ -89,6 +89,9 @@ def bias(
     flux_min_ujy: Annotated[
         float, typer.Option(callback=non_negative, help="Leave out fainter galaxies.")
     ] = 0.0,
+    flux_max_ujy: Annotated[
+        float | None, typer.Option(callback=positive, help="Leave out brighter galaxies.")
+    ] = None,
     shear: Annotated[
         float, typer.Option(callback=non_negative, help="Modulus |g|; 0 for the additive bias.")
     ] = 0.02,
@@ -182,6 +185,8 @@ def bias(
         Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, 1),
     )
     shears = shears_of(shear, orientations)
+    flux_min = flux_min_ujy * MICROJANSKY
+    flux_max = math.inf if flux_max_ujy is None else flux_max_ujy * MICROJANSKY
     population = Population()
     noise = GalaxyNoise(snr_at[0] * MICROJANSKY, snr_at[1])
     lens = shear_at_fixed_scale_length if legacy_shear else shear_galaxies
@@ -203,7 +208,7 @@ def bias(
         )
         crowd = replace(
             crowd,
-            used=crowd.used & (drawn.flux >= flux_min_ujy * MICROJANSKY),
+            used=crowd.used & (drawn.flux >= flux_min) & (drawn.flux <= flux_max),
             lens=lens,
             profile=profile_of(profile),
         )
@@ -218,7 +223,8 @@ def bias(
             profile=profile_of(profile),
             lens=lens,
             snr_min=snr_min if selection is SelectionName.CATALOGUE else 0.0,
-            flux_min=flux_min_ujy * MICROJANSKY,
+            flux_min=flux_min,
+            flux_max=flux_max,
             position_sigma=position_error_arcsec * ARCSEC,
             has_rings=rings,
             seed=seed,
@@ -246,6 +252,7 @@ def bias(
         "snr_min": snr_min,
         "selection": selection.value,
         "flux_min_ujy": flux_min_ujy,
+        "flux_max_ujy": flux_max_ujy,
         "declination_deg": declination_deg,
         "seed": seed,
         "version": __version__,

@@ -17,6 +17,15 @@ These are weighted sums of the data too, and linear: sum M over sum of the deriv
 whatever the profile (moments with a weight in Fourier space are those of Bernstein & Armstrong 2014 and Bernstein et
 al. 2016).
 
+**Third order.** Of galaxies that lie in all directions the average V is a function of rho alone, and behind a shear
+g the average M is R g + K g |g|^2 with
+
+.. math:: R = \int (\rho^2/2 - 2 \rho) f V,\quad K = \int (\rho^4/16 - \rho^3 + 7\rho^2/2 - 2\rho) f V:
+
+rho becomes rho (1 + |g|^2 + 2 |g| cos 2 phi)/(1 - |g|^2), expanded and integrated by parts. The derivatives of
+galaxies that are lensed already are (R + 3 K |g|^2) (1 - |g|^2), for shears do not add up but compose; so M over R comes out
+as g (1 + (1 - 2 K/R) |g|^2).
+
 **Gaps.** V is not measured everywhere: between the tracks of a few baselines the beam's power is next to nothing. But a
 galaxy is small, so that V is smooth, and a sum over measured cells with the right weights is the integral: the sum
 b(x) over a disc whose convolution with the beam is the transform of the moment's weight all over the disc, and then M
@@ -67,6 +76,8 @@ class Moments:
         M_1, M_2.
     response
         Their derivatives by g1, g2 (the second index), with noise of their own, of mean zero.
+    third
+        K.
     size
         M_R.
     covariance
@@ -75,6 +86,7 @@ class Moments:
 
     shape: Float[Array, " 2"]
     response: Float[Array, "2 2"]
+    third: float
     size: float
     covariance: Float[Array, "3 3"]
 
@@ -105,9 +117,10 @@ class MomentFunctional:
         # Over half of the plane: the cell at the origin stands for itself alone.
         area = np.where(rho > 0, 1.0, 0.5) / (width * SCALE) ** 2
         weight = area * np.exp(-rho * (0.5 - scatter))
-        targets = weight * np.stack([a, b, a * a - 2 * rho, a * b, b * b - 2 * rho, rho])
+        third = rho * (rho * (rho * (rho / 16 - 1) + 3.5) - 2)
+        targets = weight * np.stack([a, b, a * a - 2 * rho, a * b, b * b - 2 * rho, third, rho])
         self._weights = _weights_of_least_noise(near, power, targets, width, longest)
-        shown = self._weights[[0, 1, 5]]
+        shown = self._weights[[0, 1, 6]]
         self._covariance = (shown * np.abs(power)) @ shown.T
 
     def on(self, uv: Float[Array, "cell 2"]) -> "MomentFunctional":
@@ -118,10 +131,13 @@ class MomentFunctional:
 
     def measure(self, correlation: Complex[Array, " cell"]) -> Moments:
         """Moments of one facet's data about its centre."""
-        m1, m2, r11, r12, r22, size = (self._weights @ correlation[self._cells].real).tolist()
+        m1, m2, r11, r12, r22, third, size = (
+            self._weights @ correlation[self._cells].real
+        ).tolist()
         return Moments(
             shape=np.array([m1, m2]),
             response=np.array([[r11, r12], [r12, r22]]),
+            third=third,
             size=size,
             covariance=self._covariance,
         )

@@ -25,6 +25,8 @@ def read_calibration(path: Path) -> Calibration:
         for one in record.get("bins", [])
         if isinstance(one, dict) and "flux" in one
     }
+    if (most := record.get("flux_max_ujy")) is not None:
+        raise InputError(f"{path}: is of galaxies of no more than {most} uJy; a shear has all")
     flux_min = float(record.get("flux_min_ujy") or 0.0) * MICROJANSKY
     estimator = str(record.get("estimator", ""))
     return Calibration(

@@ -17,6 +17,7 @@ _DESCRIPTIONS = {
     "r11": ("derivative of m1 by g1", "Jy"),
     "r12": ("derivative of m1 by g2, and of m2 by g1", "Jy"),
     "r22": ("derivative of m2 by g2", "Jy"),
+    "r_third": ("third order of m1 and m2 in the shear", "Jy"),
     "m1_var": ("variance of m1 by noise", "Jy2"),
     "m2_var": ("variance of m2 by noise", "Jy2"),
     "m12_cov": ("covariance of m1 and m2 by noise", "Jy2"),

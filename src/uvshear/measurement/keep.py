@@ -35,7 +35,7 @@ class Statistic(ABC):
 class MomentStatistic(Statistic):
     """Moments of the visibility function about the catalogue's position, with their responses and noise [Jy]."""
 
-    columns = ("m1", "m2", "m_size", "r11", "r12", "r22", "m1_var", "m2_var", "m12_cov")
+    columns = ("m1", "m2", "m_size", "r11", "r12", "r22", "r_third", "m1_var", "m2_var", "m12_cov")
 
     def __init__(self, position_sigma: float = 0.0) -> None:
         """``position_sigma`` is the error of the catalogue's position in l and in m [rad]."""
@@ -53,6 +53,7 @@ class MomentStatistic(Statistic):
             "r11": float(moments.response[0, 0]),
             "r12": float(moments.response[0, 1]),
             "r22": float(moments.response[1, 1]),
+            "r_third": moments.third,
             "m1_var": float(moments.covariance[0, 0]),
             "m2_var": float(moments.covariance[1, 1]),
             "m12_cov": float(moments.covariance[0, 1]),

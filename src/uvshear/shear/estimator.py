@@ -1,7 +1,7 @@
 """Estimators of the shear of chosen galaxies: all of them, or those of a bin in flux."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Self
@@ -17,7 +17,7 @@ from uvshear.shear.bayesian import (
 )
 from uvshear.shear.hierarchy import fit_population
 from uvshear.shear.mean import ShearEstimate, weighted_mean_shear
-from uvshear.shear.moments import moment_weight
+from uvshear.shear.moments import about_shear, moment_weight
 from uvshear.shear.response import Responses
 from uvshear.typing import Array, Bool, Complex, Float
 
@@ -71,9 +71,13 @@ class MeanShear(ShearEstimator):
 
 @dataclass(frozen=True)
 class MomentShear(ShearEstimator):
-    """Moments [Jy] with their responses, weighed by the catalogue's flux [Jy]; NaN where there are none."""
+    """Moments [Jy] with their responses, weighed by the catalogue's flux [Jy]; NaN where there are none.
+
+    ``third`` is their third order, K of ``fit.moments`` [Jy].
+    """
 
     moments: Responses
+    third: Float[Array, " source"]
     variance: Float[Array, " source"]
     flux: Float[Array, " source"]
 
@@ -83,10 +87,15 @@ class MomentShear(ShearEstimator):
         return np.isfinite(self.moments.value).all(axis=-1)
 
     def of(self, chosen: Bool[Array, " source"]) -> ShearEstimate:
-        """Sum of the chosen galaxies' moments over that of their responses."""
+        """Sum of the chosen galaxies' moments over that of their responses, expanded about the estimate."""
         used = chosen & self.usable
         weight = moment_weight(self.flux[used], self.variance[used])
-        return self.moments.select(used).weighted(weight).shear("moments")
+
+        def step(about: complex) -> ShearEstimate:
+            moments = about_shear(self.moments.select(used), self.third[used], about)
+            return moments.weighted(weight).shear("moments")
+
+        return _expanded(step)
 
 
 @dataclass(frozen=True)
@@ -113,14 +122,9 @@ class BayesianShear(ShearEstimator):
         return [one for one, is_in in pairs if is_in and one is not None]
 
     def of(self, chosen: Bool[Array, " source"]) -> ShearEstimate:
-        """Shear at which the chosen galaxies are most probable, by ``ROUNDS`` steps from none."""
+        """Shear at which the chosen galaxies are most probable."""
         used = self._chosen(chosen)
-        about = 0j
-        for _ in range(ROUNDS - 1):
-            estimate = self._step(used, about)
-            about = complex(estimate.g1, estimate.g2)
-            about *= min(1.0, LARGEST / max(abs(about), 1e-12))
-        return self._step(used, about)
+        return _expanded(lambda about: self._step(used, about))
 
     def _step(self, used: Sequence[ShapeLikelihood], about: complex) -> ShearEstimate:
         terms = [gradient_and_curvature(one, self.population, about) for one in used]
@@ -133,6 +137,16 @@ class BayesianShear(ShearEstimator):
             )
         value, response = (np.array(part) for part in zip(*telling, strict=True))
         return Responses(value, response, about).shear("bayesian")
+
+
+def _expanded(step: Callable[[complex], ShearEstimate]) -> ShearEstimate:
+    """Shear after ``ROUNDS`` steps from none, each expanded about the one before."""
+    about = 0j
+    for _ in range(ROUNDS - 1):
+        estimate = step(about)
+        about = complex(estimate.g1, estimate.g2)
+        about *= min(1.0, LARGEST / max(abs(about), 1e-12))
+    return step(about)
 
 
 def by_flux(

@@ -1,5 +1,8 @@
 """Shear from moments of visibility functions: sum of the moments over the sum of their responses."""
 
+import numpy as np
+
+from uvshear.shear.response import Responses
 from uvshear.typing import Array, Float
 
 ELLIPTICITY_SCATTER = 0.3
@@ -20,3 +23,17 @@ def moment_weight(
     """
     response = RESPONSE * flux
     return response / (ELLIPTICITY_SCATTER**2 * response**2 + variance)
+
+
+def about_shear(moments: Responses, third: Float[Array, " source"], about: complex) -> Responses:
+    r"""Expand moments about an estimate of the shear: exact to the fourth order where that is to the second.
+
+    .. math:: \sum M = \sum \big[R + (\mathrm{tr} R/2 - 2 K) |g|^2\big]\, g
+
+    (``fit.moments``); ``third`` is K [Jy]. Without an estimate it is the plain ratio.
+    """
+    own = np.trace(moments.response, axis1=-2, axis2=-1) / 2
+    more = (own - 2 * third) * abs(about) ** 2
+    response = moments.response + more[:, None, None] * np.eye(2)
+    value = moments.value - response @ np.array([about.real, about.imag])
+    return Responses(value, response, about)
