@@ -34,7 +34,7 @@ from uvshear.interferometer.psf_shape import measure_psf
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.shear.bayesian import UnlensedPopulation
 from uvshear.simulation.population import Population
-from uvshear.trials import beam_of
+from uvshear.trials import Survey
 
 LATITUDE = -30.7
 ZENITH_DISTANCES = (0.0, 20.0, 40.0, 60.0)
@@ -74,7 +74,7 @@ def beam(zenith_deg: float) -> Beam:
     centre = PhaseCentre(0.0, math.radians(LATITUDE + zenith_deg))
     track = Track.from_clock(centre, ((-14400.0, 14400.0),), 300.0)
     plan = ObservingPlan(load_layout("ska-mid-aa4"), track, Channels.from_band(950e6, 1190e6, 1))
-    return beam_of(plan, Population(), threads=2)
+    return Survey(plan, (0j,), threads=2).alone().beam
 
 
 def of_size(one: Beam, size_arcsec: float, seed: int) -> Experiment:

@@ -33,8 +33,9 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
 from uvshear.measurement import Extracted, Field, MeasurementOptions, Progress
+from uvshear.measurement.metacal import MetacalStatistic
 from uvshear.shear.bayesian import UnlensedPopulation
-from uvshear.shear.estimator import BayesianShear, MeanShear, MomentShear
+from uvshear.shear.estimator import BayesianShear, MeanShear, MetacalShear, MomentShear
 from uvshear.shear.mean import ShearEstimate
 from uvshear.shear.packing import PACKED, unpack
 from uvshear.shear.response import Responses
@@ -214,6 +215,14 @@ def moment_shear(shapes: Table, statistics: Table) -> MomentShear:
     variance = (np.array(statistics["m1_var"]) + np.array(statistics["m2_var"])) / 2
     third = np.array(statistics["r_third"], float)
     return MomentShear(Responses(value, response), third, variance, inside(shapes, "flux"))
+
+
+def metacal_shear(statistics: Table) -> MetacalShear:
+    """Estimator by the sum of ellipticities over the sum of their responses; ``statistics`` as kept."""
+    numbers = np.stack(
+        [np.array(statistics[name], float) for name in MetacalStatistic.columns], axis=-1
+    )
+    return MetacalShear(Responses(numbers[:, :2], numbers[:, 2:].reshape(-1, 2, 2)))
 
 
 def bayesian_shear(

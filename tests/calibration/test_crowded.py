@@ -12,7 +12,6 @@ from uvshear.calibration.crowded import (
     FieldMoments,
     calibrate_field,
 )
-from uvshear.constants import ARCMIN, MICROJANSKY
 from uvshear.extraction.facets import UvRange
 from uvshear.fit.measurement import FitFlag, ShapeMeasurement
 from uvshear.galaxy import DiscEllipticityPrior
@@ -25,10 +24,7 @@ from uvshear.measurement import MeasurementOptions
 from uvshear.measurement.extraction import Extracted
 from uvshear.shear.packing import pack
 from uvshear.shear.weight import lensfit_weight
-from uvshear.simulation.field import SquareField
-from uvshear.simulation.noise_level import GalaxyNoise
-from uvshear.simulation.population import Population, draw_population
-from uvshear.trials import calibrate_crowded, crowded_field
+from uvshear.trials import Survey, calibrate_crowded
 
 SHEARS = (0.03 * np.exp(0.25j * np.pi), -0.03 * np.exp(0.25j * np.pi))
 
@@ -38,10 +34,7 @@ def crowd():
     """Twenty galaxies, four to a square arcminute."""
     track = Track.from_clock(PhaseCentre(0.0, np.radians(-30)), ((-14400.0, 14400.0),), 7200.0)
     plan = ObservingPlan(load_layout("ska-mid-aa4"), track, Channels.from_band(0.95e9, 1.19e9, 1))
-    field = SquareField(np.sqrt(20 / 4) * ARCMIN)
-    galaxies = draw_population(Population(), field, number=20, rng=np.random.default_rng(6))
-    noise = GalaxyNoise(10 * MICROJANSKY, 10.0)
-    return crowded_field(plan, galaxies, SHEARS, noise=noise, snr_min=10.0)
+    return Survey(plan, SHEARS, snr_min=10.0, seed=6).crowd(20, 4.0)
 
 
 def test_moments_of_a_crowd_answer_to_the_shear(crowd):

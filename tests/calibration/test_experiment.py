@@ -31,7 +31,7 @@ from uvshear.measurement.keep import MomentStatistic
 from uvshear.pipeline import extract, simulate
 from uvshear.simulation.lensing import shear_at_fixed_scale_length
 from uvshear.simulation.population import Population
-from uvshear.trials import beam_of
+from uvshear.trials import Survey
 
 SHEARS = (0.03 * np.exp(0.25j * np.pi), -0.03 * np.exp(0.25j * np.pi))
 
@@ -43,7 +43,7 @@ def _plan():
 
 @pytest.fixture(scope="module")
 def beam():
-    return beam_of(_plan(), Population())
+    return Survey(_plan(), SHEARS).alone().beam
 
 
 @pytest.fixture(scope="module")
@@ -125,7 +125,7 @@ def test_the_mean_of_faint_galaxies_is_biased_by_noise(beam, moments):
     none = (0j, 0j)
     biased = fit_bias("mean", SHEARS, none, np.array([mean, mean]), 30)
     linear = sums_of(faint, moments, SHEARS, 0, 30).values.sum(axis=0)
-    exact = fit_bias("moments", SHEARS, none, np.array([linear, linear]), 30)
+    exact = fit_bias("moments", SHEARS, SHEARS, np.array([linear, linear]), 30)
     assert biased.m.mean() < -0.15
     assert np.all(np.abs(exact.m) < 5e-3)
 
@@ -202,7 +202,7 @@ def test_a_turned_sky_cancels_all_but_the_beams_own_direction(beam):
             seen = take.galaxies(galaxies)
             galaxy = GalaxyFit(2e-5, np.zeros(2), complex(seen.ellipticity[0]), 5e-6, 0.0)
             facet = one.facet(galaxy, Exponential(), take.noise(one, noise))
-            terms.append(MeanEstimator().term(Seen(facet, one, prior, 2e-5))[0])
+            terms.append(MeanEstimator().term(Seen(facet, one, prior, 2e-5, 0j, noise))[0])
         return np.abs(np.sum(terms, axis=0)).max() / np.abs(terms).max()
 
     assert len(TURNED) == 8

@@ -21,6 +21,7 @@ from uvshear.galaxy import (
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.measurement.extraction import Extracted, Progress
 from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic, Statistic
+from uvshear.measurement.metacal import MetacalStatistic
 from uvshear.predict import predict_visibilities
 from uvshear.shear.bayesian import UnlensedPopulation, gradient_and_curvature
 from uvshear.shear.estimator import FLUX_BINS
@@ -133,6 +134,21 @@ class FieldMoments(FieldEstimator):
         """M_1, M_2 and their derivatives by the shear."""
         kept = extracted.kept.get(source)
         return NOTHING if kept is None else _row(*moment_term(kept, flux, about))
+
+
+class FieldMetacal(FieldEstimator):
+    """Ellipticities behind a round beam, with their response to a shear of the data."""
+
+    def __init__(self) -> None:
+        """Make the statistic that keeps them."""
+        self.statistics = (MetacalStatistic(),)
+
+    def term(self, extracted: Extracted, source: int, flux: float, about: complex) -> Row:
+        """Weighted ellipticity, and its response."""
+        kept = extracted.kept.get(source)
+        if kept is None:
+            return NOTHING
+        return np.array([float(kept[name]) for name in MetacalStatistic.columns])
 
 
 class FieldBayesian(FieldEstimator):

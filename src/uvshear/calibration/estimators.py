@@ -2,26 +2,25 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from uvshear.calibration.isolated import Stage
+from uvshear.calibration.isolated import Noise, Stage
+from uvshear.extraction.cutout import Cutout
 from uvshear.fit.measurement import FitFlag, ShapeMeasurement
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import fit_galaxy, measure_shape
 from uvshear.galaxy import DiscEllipticityPrior, EllipticityPrior, Exponential, Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.measurement.keep import Kept, LikelihoodStatistic, MomentStatistic
+from uvshear.measurement.metacal import Metacal, Term
 from uvshear.shear.bayesian import UnlensedPopulation, gradient_and_curvature
 from uvshear.shear.hierarchy import fit_population
 from uvshear.shear.moments import about_shear, moment_weight
 from uvshear.shear.response import Responses
 from uvshear.shear.weight import lensfit_weight
 from uvshear.typing import Array, Float
-
-Term = tuple[Float[Array, " 2"], Float[Array, "2 2"]]
-"""Numbers of a galaxy, and their response to g1, g2."""
 
 
 @dataclass(frozen=True)
@@ -38,13 +37,16 @@ class Seen:
         Of the catalogue [Jy].
     about
         Current estimate of the shear.
+    more_noise
+        That may be added to the facet's, independent of it, in standard deviations of each cell's.
     """
 
     facet: Facet
     stage: Stage
     prior: ShapePrior
     flux: float
-    about: complex = 0j
+    about: complex
+    more_noise: Noise
 
 
 class Estimator(ABC):
@@ -97,7 +99,7 @@ class MomentEstimator(Estimator):
 
     def term(self, seen: Seen) -> Term | None:
         """M_1, M_2 and their derivatives by the shear, weighed by the catalogue's flux."""
-        kept = self._statistic.of(seen.facet, seen.stage.cutout, seen.prior)
+        kept = self._statistic.of(seen.facet, seen.stage.cutout, seen.prior, 0)
         return moment_term(kept, seen.flux, seen.about)
 
 
@@ -130,6 +132,29 @@ class SelectedEstimator(Estimator):
     def learned(self, sample: Sequence[Seen]) -> "SelectedEstimator":
         """Let the other learn."""
         return SelectedEstimator(self._estimator.learned(sample), self._snr_min)
+
+
+class MetacalEstimator(Estimator):
+    """Another estimator's numbers behind a round beam, with their response to a shear of the data itself."""
+
+    def __init__(self, estimator: Estimator) -> None:
+        """Wrap it."""
+        self._estimator, self._metacal = estimator, Metacal()
+        self.is_expanded, self.is_learning = estimator.is_expanded, estimator.is_learning
+
+    def term(self, seen: Seen) -> Term | None:
+        """Numbers of the other, and their differences between sheared data."""
+
+        def measure(facet: Facet, cells: Cutout) -> Float[Array, " 2"] | None:
+            stage = Stage(cells, facet.power)
+            found = self._estimator.term(replace(seen, facet=facet, stage=stage))
+            return None if found is None else found[0]
+
+        return self._metacal.term(seen.facet, seen.stage.cutout, seen.more_noise, measure)
+
+    def learned(self, sample: Sequence[Seen]) -> "MetacalEstimator":
+        """Let the other learn."""
+        return MetacalEstimator(self._estimator.learned(sample))
 
 
 class BayesianEstimator(Estimator):

@@ -11,6 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from uvshear.calibration.bias import LEAST_BLOCKS, Bias, fit_bias, is_told, shears_of
+from uvshear.calibration.cell_average import CellAverageBeam
 from uvshear.calibration.estimators import Estimator, Seen
 from uvshear.calibration.isolated import Beam, Noise, Stage
 from uvshear.constants import MICROJANSKY
@@ -114,7 +115,7 @@ class Experiment:
         Of galaxies and noise.
     """
 
-    beam: Beam
+    beam: Beam | CellAverageBeam
     shears: tuple[complex, ...]
     population: Population = field(default_factory=Population)
     profile: Profile = field(default_factory=Exponential)
@@ -267,6 +268,7 @@ def looks(
 ) -> Iterator[tuple[int, int, Seen]]:
     """Draw galaxies ``first`` and on, and look at each: its number, the shear's, and what is seen."""
     rng = np.random.default_rng([experiment.seed, first])
+    more_rng = np.random.default_rng([experiment.seed, first, 1])
     galaxies = experiment.draw(number, rng)
     size = experiment.size.prior(galaxies.flux)
     takes = [
@@ -276,7 +278,7 @@ def looks(
     for k in range(number):
         prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
         stage = experiment.beam.stage(prior.log_scale_length, prior.log_scale_length_sigma)
-        noise = stage.noise(rng)
+        noise, more = stage.noise(rng), stage.noise(more_rng)
         flux = float(galaxies.flux[k])
         bright = flux * stage.snr_of_jansky(prior, FITTED) >= experiment.snr_min
         if not bright or not experiment.flux_min <= flux <= experiment.flux_max:
@@ -285,7 +287,8 @@ def looks(
             for lensed, altered in takes:
                 galaxy = _galaxy(lensed[column], k)
                 facet = stage.facet(galaxy, experiment.profile, altered(stage, noise))
-                yield k, column, Seen(facet, stage, prior, flux, shear)
+                added = altered(stage, more)
+                yield k, column, Seen(facet, stage, prior, flux, shear, added)
 
 
 def _galaxy(galaxies: Galaxies, k: int) -> GalaxyFit:

@@ -44,6 +44,11 @@ class Stage:
     cutout: Cutout
     power: Float[Array, " cell"]
 
+    @property
+    def uv(self) -> Float[Array, "cell 2"]:
+        """Centres of the cells [wavelengths]."""
+        return self.cutout.uv
+
     def noise(self, rng: np.random.Generator) -> Noise:
         """Draw it for cells of unit power, with unit variance in each component."""
         first, second = rng.standard_normal((2, len(self.power)))
@@ -57,9 +62,9 @@ class Stage:
     @cached_property
     def _quarter_turn(self) -> tuple[Int[Array, " cell"], Bool[Array, " cell"]]:
         """Cell from which a turn brings each one's noise, and whether it comes from the other half plane."""
-        u, v = self.cutout.uv.T
+        u, v = self.uv.T
         before = np.column_stack([v, -u])
-        tree = KDTree(np.concatenate([self.cutout.uv, -self.cutout.uv]))
+        tree = KDTree(np.concatenate([self.uv, -self.uv]))
         distance, found = tree.query(before)
         spacing = 1 / (self.cutout.size * self.cutout.pixel)
         if distance.max() > 1e-3 * spacing:
@@ -68,14 +73,14 @@ class Stage:
 
     def facet(self, galaxy: GalaxyFit, profile: Profile, noise: Noise) -> Facet:
         """Facet to which visibilities of this galaxy and such noise would have been summed."""
-        model = Template(self.cutout.uv, profile).model(galaxy)
+        model = Template(self.uv, profile).model(galaxy)
         correlation = self.power * model + np.sqrt(self.power) * noise
-        return Facet(self.cutout.uv, correlation, self.power)
+        return Facet(self.uv, correlation, self.power)
 
     def snr_of_jansky(self, prior: ShapePrior, profile: Profile) -> float:
         """Signal-to-noise ratio of a jansky, round and of the prior's median size."""
         galaxy = GalaxyFit(1.0, np.zeros(2), 0j, math.exp(prior.log_scale_length), 0.0)
-        model = Template(self.cutout.uv, profile).model(galaxy)
+        model = Template(self.uv, profile).model(galaxy)
         return math.sqrt(float(np.sum(self.power * np.abs(model) ** 2)))
 
 

@@ -3,7 +3,8 @@
 
 import cmath
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -45,6 +46,22 @@ class CalibratedName(StrEnum):
     MEAN = "mean"
     MOMENTS = "moments"
     BAYESIAN = "bayesian"
+    METACAL = "metacal"
+
+
+class WrappedName(StrEnum):
+    """An estimator that metacalibration wraps."""
+
+    MEAN = "mean"
+    MOMENTS = "moments"
+    BAYESIAN = "bayesian"
+
+
+class FacetName(StrEnum):
+    """How visibilities become facets."""
+
+    EXACT = "exact"
+    CELL_AVERAGE = "cell-average"
 
 
 class SelectionName(StrEnum):
@@ -115,6 +132,12 @@ def bias(
         PriorName,
         typer.Option(help="Population of bayesian: the one drawn from, or fitted to a sample."),
     ] = PriorName.PAPER,
+    wraps: Annotated[
+        WrappedName, typer.Option(help="What metacal calibrates: how it responds to sheared data.")
+    ] = WrappedName.MEAN,
+    facet: Annotated[
+        FacetName, typer.Option(help="Exact, or the paper's averages in cells (mean only).")
+    ] = FacetName.EXACT,
     position_error_arcsec: Annotated[
         float, typer.Option(callback=non_negative, help="Of the catalogue, in l and in m.")
     ] = 0.0,
@@ -142,13 +165,8 @@ def bias(
     overwrite: Overwrite = False,
 ) -> None:
     """Measure m and c of an estimator, on galaxies alone or in a crowd, behind opposite shears with the same noise."""
-    from dataclasses import replace
-
-    import numpy as np
-
-    from uvshear.calibration.estimators import SelectedEstimator
-    from uvshear.calibration.experiment import Experiment, calibrate
-    from uvshear.constants import ARCMIN, ARCSEC, MICROJANSKY
+    from uvshear.calibration.experiment import calibrate
+    from uvshear.constants import ARCSEC, MICROJANSKY
     from uvshear.geometry.directions import PhaseCentre
     from uvshear.interferometer.coverage import Track
     from uvshear.interferometer.layout import load_layout
@@ -156,89 +174,59 @@ def bias(
     from uvshear.interferometer.spectral_window import Channels
     from uvshear.io.outputs import check_file, write_json
     from uvshear.measurement import MeasurementOptions
-    from uvshear.simulation.field import SquareField
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
     from uvshear.simulation.noise_level import GalaxyNoise
-    from uvshear.simulation.population import Population, draw_population
-    from uvshear.trials import beam_of, calibrate_crowded, crowded_field
+    from uvshear.trials import Survey, calibrate_crowded
 
     check_file(output, overwrite=overwrite)
     if shear >= 1:
         raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
-    is_learning = prior is PriorName.FITTED
-    if is_learning and estimator is not CalibratedName.BAYESIAN:
+    is_measured, is_averaged = selection is SelectionName.MEASURED, facet is FacetName.CELL_AVERAGE
+    if prior is PriorName.FITTED and CalibratedName.BAYESIAN not in (estimator, wraps):
         raise InputError(f"--prior fitted: {estimator.value} has no prior; bayesian has")
+    if is_averaged and estimator is not CalibratedName.MEAN:
+        raise InputError(f"--facet cell-average: is for the paper's mean, not {estimator.value}")
     if density is not None:
         refuse_in_a_crowd(
             {
-                "--selection measured": selection is SelectionName.MEASURED,
-                "--prior fitted": is_learning,
+                "--selection measured": is_measured,
+                "--prior fitted": prior is PriorName.FITTED,
                 "--no-rings": not rings,
                 "--position-error-arcsec": position_error_arcsec > 0,
+                "--facet cell-average": is_averaged,
             }
         )
     centre = PhaseCentre(0.0, math.radians(declination_deg))
     track = Track.from_clock(centre, ((-hours * 1800, hours * 1800),), integration_s)
-    plan = ObservingPlan(
-        load_layout(layout),
-        track,
-        Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, 1),
+    channels = Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, 1)
+    survey = Survey(
+        ObservingPlan(load_layout(layout), track, channels),
+        shears_of(shear, orientations),
+        noise=GalaxyNoise(snr_at[0] * MICROJANSKY, snr_at[1]),
+        profile=profile_of(profile),
+        lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
+        snr_min=0.0 if is_measured else snr_min,
+        flux_min=flux_min_ujy * MICROJANSKY,
+        flux_max=math.inf if flux_max_ujy is None else flux_max_ujy * MICROJANSKY,
+        seed=seed,
+        threads=thread_count(threads),
     )
-    shears = shears_of(shear, orientations)
-    flux_min = flux_min_ujy * MICROJANSKY
-    flux_max = math.inf if flux_max_ujy is None else flux_max_ujy * MICROJANSKY
-    population = Population()
-    noise = GalaxyNoise(snr_at[0] * MICROJANSKY, snr_at[1])
-    lens = shear_at_fixed_scale_length if legacy_shear else shear_galaxies
-    if density is not None:
-        drawn = draw_population(
-            population,
-            SquareField(math.sqrt(galaxies / density) * ARCMIN),
-            number=galaxies,
-            rng=np.random.default_rng(seed),
-        )
-        crowd = crowded_field(
-            plan,
-            drawn,
-            shears,
-            noise=noise,
-            snr_min=snr_min,
-            seed=seed,
-            threads=thread_count(threads),
-        )
-        crowd = replace(
-            crowd,
-            used=crowd.used & (drawn.flux >= flux_min) & (drawn.flux <= flux_max),
-            lens=lens,
-            profile=profile_of(profile),
-        )
-        options = MeasurementOptions(threads=thread_count(threads))
-        with progress_bar("calibrating") as progress:
-            biases = calibrate_crowded(crowd, field_estimator_of(estimator), options, progress)
-    else:
-        experiment = Experiment(
-            beam=beam_of(plan, population, noise=noise, threads=thread_count(threads)),
-            shears=shears,
-            population=population,
-            profile=profile_of(profile),
-            lens=lens,
-            snr_min=snr_min if selection is SelectionName.CATALOGUE else 0.0,
-            flux_min=flux_min,
-            flux_max=flux_max,
-            position_sigma=position_error_arcsec * ARCSEC,
-            has_rings=rings,
-            seed=seed,
-        )
-        one = estimator_of(estimator, prior, experiment.position_sigma)
-        method = SelectedEstimator(one, snr_min) if selection is SelectionName.MEASURED else one
-        with progress_bar("calibrating") as progress:
-            biases = calibrate(
-                experiment,
-                method,
-                galaxies,
-                thread_count(threads),
-                progress,
+    with progress_bar("calibrating") as progress:
+        if density is not None:
+            options = MeasurementOptions(threads=survey.threads)
+            method = field_estimator_of(estimator)
+            biases = calibrate_crowded(survey.crowd(galaxies, density), method, options, progress)
+        else:
+            position_sigma = position_error_arcsec * ARCSEC
+            experiment = replace(
+                survey.alone(averages_cells=is_averaged),
+                position_sigma=position_sigma,
+                has_rings=rings,
             )
+            one = estimator_of(
+                estimator, wraps, prior, position_sigma, snr_min if is_measured else None
+            )
+            biases = calibrate(experiment, one, galaxies, survey.threads, progress)
     say("\n".join(map(describe, biases)))
     record = biases[0].record() | {
         "estimator": estimator.value,
@@ -248,6 +236,8 @@ def bias(
         "legacy_shear": legacy_shear,
         "profile": profile.value,
         "prior": prior.value,
+        "wraps": wraps.value if estimator is CalibratedName.METACAL else None,
+        "facet": facet.value,
         "density": density,
         "snr_min": snr_min,
         "selection": selection.value,
@@ -286,28 +276,48 @@ def describe(one: "Bias") -> str:
     return f"{one.name}: {', '.join(parts)} ({one.n} galaxies{failures})"
 
 
-def estimator_of(name: CalibratedName, prior: PriorName, position_sigma: float) -> "Estimator":
-    """Return the estimator of a name."""
+def estimator_of(
+    name: CalibratedName,
+    wraps: WrappedName,
+    prior: PriorName,
+    position_sigma: float,
+    snr_min: float | None,
+) -> "Estimator":
+    """Return the estimator of a name; with an ``snr_min``, of galaxies whose fitted SNR is no less."""
     from uvshear.calibration.estimators import (
         BayesianEstimator,
         MeanEstimator,
+        MetacalEstimator,
         MomentEstimator,
+        SelectedEstimator,
     )
 
-    if name is CalibratedName.MOMENTS:
-        return MomentEstimator(position_sigma)
-    if name is CalibratedName.BAYESIAN:
-        return BayesianEstimator(is_learning=prior is PriorName.FITTED)
-    return MeanEstimator()
+    kinds: dict[str, Callable[[], Estimator]] = {
+        CalibratedName.MEAN: MeanEstimator,
+        CalibratedName.MOMENTS: lambda: MomentEstimator(position_sigma),
+        CalibratedName.BAYESIAN: lambda: BayesianEstimator(is_learning=prior is PriorName.FITTED),
+    }
+    is_wrapped = name is CalibratedName.METACAL
+    one = kinds[wraps.value if is_wrapped else name.value]()
+    if snr_min is not None:
+        one = SelectedEstimator(one, snr_min)
+    # Outside: the cut sees sheared data too, and how it responds is part of the response.
+    return MetacalEstimator(one) if is_wrapped else one
 
 
 def field_estimator_of(name: CalibratedName) -> "FieldEstimator":
     """Return the estimator of a name for galaxies of a field."""
-    from uvshear.calibration.crowded import FieldBayesian, FieldMean, FieldMoments
+    from uvshear.calibration.crowded import (
+        FieldBayesian,
+        FieldMean,
+        FieldMetacal,
+        FieldMoments,
+    )
 
-    kinds = {
+    kinds: dict[CalibratedName, type[FieldEstimator]] = {
         CalibratedName.MEAN: FieldMean,
         CalibratedName.MOMENTS: FieldMoments,
         CalibratedName.BAYESIAN: FieldBayesian,
+        CalibratedName.METACAL: FieldMetacal,
     }
     return kinds[name]()

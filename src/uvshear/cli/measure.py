@@ -138,7 +138,7 @@ def measure(
     keep: Annotated[
         str | None,
         typer.Option(
-            help="For uvshear shear, kept beside the shapes: likelihood,moments (converged only).",
+            help="For uvshear shear, kept beside the shapes: likelihood,moments,metacal (converged only).",
             show_default=False,
         ),
     ] = None,
@@ -228,6 +228,7 @@ def statistics_of(
 ) -> "tuple[Statistic, ...]":
     """Return the statistics of names joined by commas; likelihoods are of the ``profile``."""
     from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic
+    from uvshear.measurement.metacal import MetacalStatistic
 
     if keep is None:
         return ()
@@ -236,6 +237,7 @@ def statistics_of(
     known: dict[str, Statistic] = {
         "likelihood": LikelihoodStatistic(profile),
         "moments": MomentStatistic(),
+        "metacal": MetacalStatistic(profile),
     }
     for name in keep.split(","):
         if name not in known:

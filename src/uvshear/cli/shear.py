@@ -29,6 +29,7 @@ class EstimatorName(StrEnum):
     MEAN = "mean"
     MOMENTS = "moments"
     BAYESIAN = "bayesian"
+    METACAL = "metacal"
 
 
 def register(app: typer.Typer) -> None:
@@ -112,12 +113,16 @@ def shear(
 def _method(name: EstimatorName, shapes: Path, table: "Table", seed: int) -> "ShearEstimator":
     from uvshear.io.statistics import read_statistics
     from uvshear.measurement.keep import MomentStatistic
-    from uvshear.pipeline import bayesian_shear, mean_shear, moment_shear
+    from uvshear.measurement.metacal import MetacalStatistic
+    from uvshear.pipeline import bayesian_shear, mean_shear, metacal_shear, moment_shear
     from uvshear.shear.packing import PACKED
 
     if name is EstimatorName.MOMENTS:
         kept = read_statistics(shapes, table["id"], MomentStatistic.columns, "moments")
         return moment_shear(table, kept)
+    if name is EstimatorName.METACAL:
+        columns = MetacalStatistic.columns
+        return metacal_shear(read_statistics(shapes, table["id"], columns, "metacal"))
     if name is EstimatorName.BAYESIAN:
         return bayesian_shear(read_statistics(shapes, table["id"], PACKED, "likelihood"))
     return mean_shear(table, seed)

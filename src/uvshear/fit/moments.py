@@ -23,13 +23,11 @@ g the average M is R g + K g |g|^2 with
 .. math:: R = \int (\rho^2/2 - 2 \rho) f V,\quad K = \int (\rho^4/16 - \rho^3 + 7\rho^2/2 - 2\rho) f V:
 
 rho becomes rho (1 + |g|^2 + 2 |g| cos 2 phi)/(1 - |g|^2), expanded and integrated by parts. The derivatives of
-galaxies that are lensed already are (R + 3 K |g|^2) (1 - |g|^2), for shears do not add up but compose; so M over R comes out
-as g (1 + (1 - 2 K/R) |g|^2).
+galaxies that are lensed already are (R + 3 K |g|^2) (1 - |g|^2), for shears do not add up but compose; so M over R
+comes out as g (1 + (1 - 2 K/R) |g|^2).
 
-**Gaps.** V is not measured everywhere: between the tracks of a few baselines the beam's power is next to nothing. But a
-galaxy is small, so that V is smooth, and a sum over measured cells with the right weights is the integral: the sum
-b(x) over a disc whose convolution with the beam is the transform of the moment's weight all over the disc, and then M
-of anything inside. It is the linear estimate of least noise among those.
+**Gaps.** V is not measured everywhere; but a galaxy is small, and of all weights on the data that sum to M for anything
+inside a disc those of least noise are taken (``fit.deconvolution``).
 
 **The centre** is the catalogue's, never one found in the same data: noise moves that one by half a scale length at a
 signal-to-noise ratio of ten, where it is also what makes the moments. Errors of the catalogue's position that are
@@ -42,10 +40,10 @@ from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
+from uvshear.fit.deconvolution import Disc, EvenPart
 from uvshear.typing import Array, Complex, Float
 
 SCALE = 15e3
@@ -54,16 +52,8 @@ SCALE = 15e3
 REACH = 6.0
 """Longest baseline that takes part, over s: what the weight has left there, 1e-8 and its responses 1e-5, is lost."""
 
-DISC = 0.35
-"""Radius of the disc over the facet's width: 16 scale lengths. Moments of galaxies 1.5 times as large as the median
-are right to 1e-3, those of smaller ones to 1e-4."""
-
 MOST_SCATTER = 0.25
 """2 pi^2 sigma^2 s^2 at most: at 1/2 the weights would not end."""
-
-_OVERSAMPLING = 1.15
-_RIDGE = 1e-8
-"""Part of the beam's power that is added to make up for rounding."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +109,8 @@ class MomentFunctional:
         weight = area * np.exp(-rho * (0.5 - scatter))
         third = rho * (rho * (rho * (rho / 16 - 1) + 3.5) - 2)
         targets = weight * np.stack([a, b, a * a - 2 * rho, a * b, b * b - 2 * rho, third, rho])
-        self._weights = _weights_of_least_noise(near, power, targets, width, longest)
+        even = EvenPart(Disc(width, longest), near, power)
+        self._weights = even.weights(even.of_cells(targets))
         shown = self._weights[[0, 1, 6]]
         self._covariance = (shown * np.abs(power)) @ shown.T
 
@@ -141,26 +132,3 @@ class MomentFunctional:
             size=size,
             covariance=self._covariance,
         )
-
-
-def _weights_of_least_noise(
-    uv: Float[Array, "cell 2"],
-    power: Float[Array, " cell"],
-    targets: Float[Array, "target cell"],
-    width: float,
-    longest: float,
-) -> Float[Array, "target cell"]:
-    """Weights on the real part of a small galaxy's data that sum to what the even ``targets`` on its V would."""
-    size = math.ceil(width * 2 * longest * _OVERSAMPLING)
-    x = (np.arange(size) - size // 2) * (width / size)
-    places = np.stack(np.meshgrid(x, x, indexing="ij"), axis=-1).reshape(-1, 2)
-    # What is sought is even: half of the disc stands for both.
-    half = (places[:, 0] > 0) | ((places[:, 0] == 0) & (places[:, 1] >= 0))
-    places = places[half & (np.hypot(*places.T) < DISC * width)]
-    cosine = np.cos(2 * math.pi * places @ uv.T)
-    # A beam cut out of its image has a little negative power in the gaps: noise is as large as its modulus.
-    noise = np.abs(power)
-    beam = (cosine * (noise / noise.max())) @ cosine.T
-    beam[np.diag_indices_from(beam)] *= 1 + _RIDGE
-    solution = cho_solve(cho_factor(beam, overwrite_a=True), cosine @ targets.T)
-    return np.sign(power) * (cosine.T @ solution).T / noise.max()

@@ -21,6 +21,12 @@ _DESCRIPTIONS = {
     "m1_var": ("variance of m1 by noise", "Jy2"),
     "m2_var": ("variance of m2 by noise", "Jy2"),
     "m12_cov": ("covariance of m1 and m2 by noise", "Jy2"),
+    "mc1": ("weighted e1 behind a round beam", None),
+    "mc2": ("weighted e2 behind a round beam", None),
+    "mc_r11": ("derivative of mc1 by g1", None),
+    "mc_r12": ("derivative of mc1 by g2", None),
+    "mc_r21": ("derivative of mc2 by g1", None),
+    "mc_r22": ("derivative of mc2 by g2", None),
     "lattice": (
         "origin of the lattice in (e1, e2, ln(scale length/rad)), and its axes by rows",
         None,

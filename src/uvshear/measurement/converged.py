@@ -329,7 +329,7 @@ class _Run:
         common = Facet(facet.uv, facet.correlation * ratio, facet.power * ratio**2)
         numbers: dict[str, float | Array] = {}
         for statistic in self._options.keep:
-            numbers.update(statistic.of(common, cutout, prior))
+            numbers.update(statistic.of(common, cutout, prior, int(self._members[k])))
         if numbers:
             self._kept[int(self._members[k])] = numbers
 

@@ -28,8 +28,8 @@ class Statistic(ABC):
     columns: tuple[str, ...]
 
     @abstractmethod
-    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior) -> Kept:
-        """Work out the value of each column, for a source of this prior; nothing where there is none."""
+    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior, source: int) -> Kept:
+        """Work out the value of each column, for a source of this prior and number; nothing where there is none."""
 
 
 class MomentStatistic(Statistic):
@@ -43,7 +43,9 @@ class MomentStatistic(Statistic):
         self._functionals: dict[_Key, MomentFunctional] = {}
         self._on_cells: dict[tuple[_Key, Cutout], MomentFunctional] = {}
 
-    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior) -> Mapping[str, float]:
+    def of(
+        self, facet: Facet, cutout: Cutout, prior: ShapePrior, source: int
+    ) -> Mapping[str, float]:
         """Measure them; no prior has a part in it."""
         moments = self._functional(facet, cutout).measure(facet.correlation)
         return {
@@ -86,7 +88,7 @@ class LikelihoodStatistic(Statistic):
         self._population = population or DiscEllipticityPrior()
         self._condenser = Condenser(self._profile)
 
-    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior) -> Kept:
+    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior, source: int) -> Kept:
         """Sample it, and pack it into a few kilobytes."""
         likelihood = self.likelihood(facet, cutout, prior)
         return {} if likelihood is None else pack(likelihood)

@@ -99,6 +99,22 @@ class MomentShear(ShearEstimator):
 
 
 @dataclass(frozen=True)
+class MetacalShear(ShearEstimator):
+    """Weighted ellipticities behind a round beam, with their response to a shear of the data; NaN: there are none."""
+
+    shapes: Responses
+
+    @property
+    def usable(self) -> Bool[Array, " source"]:
+        """Those that were measured."""
+        return np.isfinite(self.shapes.value).all(axis=-1)
+
+    def of(self, chosen: Bool[Array, " source"]) -> ShearEstimate:
+        """Sum of the chosen galaxies' ellipticities over that of their responses."""
+        return self.shapes.select(chosen & self.usable).shear("metacal")
+
+
+@dataclass(frozen=True)
 class BayesianShear(ShearEstimator):
     """Likelihoods behind the shear of a population; None where a galaxy has none."""
 
