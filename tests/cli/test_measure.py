@@ -326,6 +326,16 @@ def test_likelihoods_are_kept_in_a_few_kilobytes(
         assert np.all(likelihood.flux > 0)
 
 
+def test_metacalibrated_ellipticities_are_kept(
+    uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path
+) -> None:
+    output = tmp_path / "shapes.fits"
+    words = ("measure", field, "--catalogue", catalogue, "-o", output)
+    assert uvshear(*words, "--keep", "metacal").status == 0
+    kept = Table.read(statistics_path(output))
+    assert {"mc1", "mc2", "mc_r11", "mc_r12", "mc_r21", "mc_r22"} < set(kept.colnames)
+
+
 def test_moments_are_kept_beside_the_shapes(
     uvshear: Callable, tmp_path: Path, field: Path, catalogue: Path
 ) -> None:

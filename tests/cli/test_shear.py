@@ -13,6 +13,7 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.geometry.ellipticity import add_shear
 from uvshear.io.shapes import COLUMNS, DERIVED, shapes_table, write_shapes
 from uvshear.io.statistics import statistics_path, statistics_table, write_statistics
+from uvshear.measurement.metacal import MetacalStatistic
 from uvshear.shear.packing import PACKED, pack
 
 
@@ -111,6 +112,27 @@ def test_moments_kept_become_a_shear(uvshear: Callable, tmp_path: Path, kept: Pa
     estimate = json.loads(output.read_text())
     assert estimate["estimator"] == "moments"
     assert estimate["n"] == 200
+    assert estimate["g1"] == pytest.approx(0.04)
+    assert estimate["g2"] == pytest.approx(-0.03)
+
+
+def test_metacalibrated_ellipticities_become_a_shear(
+    uvshear: Callable, tmp_path: Path, shapes: Path
+) -> None:
+    """Behind 0.04, -0.03, with a response that is not symmetric; half of the galaxies have none."""
+    rng = np.random.default_rng(9)
+    response = np.array([[0.5, 0.1], [-0.05, 0.6]]) * rng.uniform(1, 2, (200, 1, 1))
+    value = response @ np.array([0.04, -0.03])
+    table = Table({"id": np.arange(200)})
+    numbers = np.column_stack([value, response.reshape(200, 4)])
+    numbers[::2] = np.nan
+    for name, column in zip(MetacalStatistic.columns, numbers.T, strict=True):
+        table[name] = column
+    write_statistics(statistics_path(shapes), table)
+    output = tmp_path / "shear.json"
+    assert uvshear("shear", shapes, "--estimator", "metacal", "-o", output).status == 0
+    estimate = json.loads(output.read_text())
+    assert (estimate["estimator"], estimate["n"]) == ("metacal", 100)
     assert estimate["g1"] == pytest.approx(0.04)
     assert estimate["g2"] == pytest.approx(-0.03)
 
