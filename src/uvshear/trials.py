@@ -1,7 +1,7 @@
 """Simulated surveys to be calibrated: galaxies alone in the beam, and fields observed whole."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -133,15 +133,16 @@ class Survey:
 
 def calibrate_crowded(
     experiment: FieldExperiment,
-    estimator: FieldEstimator,
+    estimators: Sequence[FieldEstimator],
     options: MeasurementOptions,
     step: Progress | None = None,
-) -> list[Bias]:
-    """Bias of an estimator in a crowded field, through the whole measurement."""
-    keeping = replace(options, keep=estimator.statistics)
+) -> list[list[Bias]]:
+    """Bias of each estimator in a crowded field, through the whole measurement, made once for all of them."""
+    statistics = tuple(statistic for one in estimators for statistic in one.statistics)
+    keeping = replace(options, keep=statistics)
 
     def measured(observation: VisibilitySet, galaxies: Galaxies) -> Extracted:
         catalogue = catalogue_from_galaxies(galaxies, observation.phase_centre)
         return extract(observation, catalogue, keeping)[1]
 
-    return calibrate_field(experiment, estimator, measured, step)
+    return calibrate_field(experiment, estimators, measured, step)

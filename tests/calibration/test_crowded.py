@@ -38,7 +38,7 @@ def crowd():
 
 
 def test_moments_of_a_crowd_answer_to_the_shear(crowd):
-    total = calibrate_crowded(crowd, FieldMoments(), MeasurementOptions())[0]
+    total = calibrate_crowded(crowd, [FieldMoments()], MeasurementOptions())[0][0]
     assert total.n + total.failed == 20
     # of twenty galaxies; the same noise behind both shears leaves what neighbours make of it
     assert np.all(total.m_err < 0.05)
@@ -79,7 +79,7 @@ def test_a_fields_likelihoods_find_its_shears(crowd):
         return _extracted(crowd, lensed.ellipticity, kept)
 
     everyone = replace(crowd, used=np.ones(20, bool))
-    total = calibrate_field(everyone, FieldBayesian(), extract)[0]
+    total = calibrate_field(everyone, [FieldBayesian()], extract)[0][0]
     assert len(seen) == 8
     assert np.all(np.abs(total.m) < 0.1)
     assert np.all(np.abs(total.c) < 2e-3)

@@ -176,11 +176,11 @@ def _row(value: Float[Array, " 2"], response: Float[Array, "2 2"]) -> Row:
 
 def calibrate_field(
     experiment: FieldExperiment,
-    estimator: FieldEstimator,
+    estimators: Sequence[FieldEstimator],
     extract: Extract,
     step: Progress | None = None,
-) -> list[Bias]:
-    """Bias in total and by flux, of galaxies that were measured every time."""
+) -> list[list[Bias]]:
+    """Bias of each estimator, in total and by flux, of galaxies that were measured every time."""
     galaxies, shears = experiment.galaxies, experiment.shears
     looks: list[list[Extracted]] = []
     count = 4 * len(shears)
@@ -193,11 +193,18 @@ def calibrate_field(
                 if step is not None:
                     step(len(found) + 4 * len(looks), count)
         looks.append(found)
-    about = [0j] * len(shears)
+    return [_calibrated(experiment, one, looks) for one in estimators]
+
+
+def _calibrated(
+    experiment: FieldExperiment, estimator: FieldEstimator, looks: Sequence[Sequence[Extracted]]
+) -> list[Bias]:
+    flux = experiment.galaxies.flux
+    about = [0j] * len(experiment.shears)
     for _ in range(ROUNDS if estimator.is_expanded else 1):
         terms = np.array(
             [
-                [estimator.terms(one, galaxies.flux, g) for one in found]
+                [estimator.terms(one, flux, g) for one in found]
                 for g, found in zip(about, looks, strict=True)
             ]
         )

@@ -215,7 +215,9 @@ def bias(
         if density is not None:
             options = MeasurementOptions(threads=survey.threads)
             method = field_estimator_of(estimator)
-            biases = calibrate_crowded(survey.crowd(galaxies, density), method, options, progress)
+            (biases,) = calibrate_crowded(
+                survey.crowd(galaxies, density), [method], options, progress
+            )
         else:
             position_sigma = position_error_arcsec * ARCSEC
             experiment = replace(

@@ -6,6 +6,7 @@
 2. Settle: fit the sources in turn and together until little moves any more (``measurement.settlement``).
 3. Again, until what settling leaves undone is a small part of the noise.
 4. Sample the posterior of every galaxy, and add what its neighbours, free, would change (``measurement.joint``).
+5. If more is to be kept, settle once more with next to no prior on ellipticities, and take it from there.
 
 What settling leaves undone: the beam is that of the nearest of a few directions, and the interaction of two sources
 ends at some distance and some baseline length. Such errors are a tenth to a fifth of what changed since the visit, and
@@ -181,7 +182,7 @@ class _Run:
                     method.tolerance if history else max(method.tolerance, ROUGH),
                     options.threads,
                     afresh=len(history) < PEAKS,
-                    tick=lambda: self._meter.add(_FIT),
+                    tick=self._fitted,
                 )
             )
             changes = settlement.changes()
@@ -197,6 +198,9 @@ class _Run:
             for k, (source, fit) in enumerate(zip(self._members, fits, strict=True))
         }
         sky = with_fitted(field.sky, field, found)
+        if options.keep:
+            settlement.release(method.tolerance / 2, options.threads, self._fitted)
+            self._keep_statistics(settlement)
         self._meter.finish()
         record = {
             "extraction": "converged",
@@ -299,7 +303,6 @@ class _Run:
             share = 1.0 if neighbours is None else neighbours.share
             start = fit if fit.snr > 0 else None
             facet = settlement.facet(k)
-            self._keep(k, facet, settlement.cutout(k))
             shape = measure_shape(facet, source.prior.measured, profile, start, share=share)
             if shape.flag is FitFlag.OK:
                 size = math.exp(source.prior.log_scale_length)
@@ -320,6 +323,18 @@ class _Run:
                 shape, flux=shape.flux / ratio, flux_err=shape.flux_err / ratio, best=best
             )
         return measurements
+
+    def _fitted(self) -> None:
+        self._meter.add(_FIT)
+
+    def _keep_statistics(self, settlement: Settlement) -> None:
+        chosen = np.flatnonzero(self._is_galaxy).tolist()
+
+        def keep(k: int) -> None:
+            self._keep(k, settlement.facet(k), settlement.cutout(k))
+
+        for _ in in_order(keep, chosen, self._options.threads):
+            self._meter.add(_STATISTICS)
 
     def _keep(self, k: int, facet: Facet, cutout: Cutout) -> None:
         if not np.any(facet.power > 0):
@@ -343,7 +358,10 @@ class _Run:
             nodes, _ = directions(lm)
             self._meter.expect(NANOSECONDS * self._field.extent.samples * len(nodes))
             self._meter.expect(rough * visit + whole)
-            self._meter.expect(int(self._is_galaxy.sum()) * _POSTERIOR)
+            galaxies = int(self._is_galaxy.sum())
+            self._meter.expect(galaxies * _POSTERIOR)
+            if self._options.keep:
+                self._meter.expect(galaxies * (_FIT + _STATISTICS))
             self._visits_expected = rough + 1
         elif self._visits_expected > 1:
             self._visits_expected -= 1
@@ -358,7 +376,8 @@ class _Run:
 
 _FIT = 4e6
 _POSTERIOR = 12e6
-"""Cost of a fit and of a posterior [nanoseconds]."""
+_STATISTICS = 20e6
+"""Cost of a fit, of a posterior and of what is kept beside it [nanoseconds]."""
 
 
 def _left_undone(history: list[tuple[float, float]]) -> tuple[float, float]:

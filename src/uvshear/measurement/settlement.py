@@ -57,6 +57,13 @@ visits is known no better, and the next visit measures it."""
 SETTLED_ENOUGH = 0.5
 """And when they move by less than this part of the tolerance."""
 
+RELEASES = 3
+"""Times that a released sky settles: thirty galaxies, 17 to a square arcminute, lose 10.3 % of their moments held, 3.0 %
+after one time, 1.0 after two and 0.5 after three with the step ahead, 0.4 after twelve."""
+
+FARTHEST_AHEAD = 1.0
+"""Of the last move, at most, that a released sky is carried on by."""
+
 Tick = Callable[[], None]
 
 
@@ -121,6 +128,25 @@ class Settlement:
             for neighbours in self._tree.query_ball_point(self._place[restless], NEAR):
                 active[neighbours] = True
         return rounds
+
+    def release(self, tolerance: float, threads: int, tick: Tick) -> None:
+        """Settle once more with next to no prior on the ellipticities of the sky.
+
+        A prior holds a faint galaxy back, towards a circle, and all its neighbours, near and far, take a little of
+        what it lacks: of its shape, and so of the shear. Without the prior the sky settles by about half a time: a
+        few times are followed by what the others would add, as far as their moves tell.
+        """
+        self._sources = [source.released() for source in self._sources]
+        moves = []
+        for _ in range(RELEASES):
+            before = list(self.fits)
+            self.settle(tolerance, threads, afresh=False, tick=tick)
+            moves.append(_rms(self._moved_since(before)))
+        first, second = moves[-2:]
+        ahead = min(second / max(first - second, 1e-300), FARTHEST_AHEAD)
+        pairs = zip(self._sources, before, self.fits, strict=True)
+        after = [_ahead(source, then, now, ahead) for source, then, now in pairs]
+        self._change(list(range(len(after))), after, threads)
 
     def _sweep(
         self, active: Bool[Array, " source"], threads: int, *, afresh: bool, tick: Tick
@@ -215,9 +241,12 @@ class Settlement:
 
     def changes(self) -> Float[Array, " source"]:
         """Change of each source since the visit, in units of the noise; of a group, that of its sum."""
+        return self._moved_since(self._reference)
+
+    def _moved_since(self, before: Sequence[GalaxyFit]) -> Float[Array, " source"]:
         moved = np.zeros(len(self._sources))
         for unit in self._units:
-            moved[unit] = self._unit_distance(unit, self._reference)
+            moved[unit] = self._unit_distance(unit, before)
         return moved
 
     def cutout(self, source: int) -> Cutout:
@@ -324,6 +353,13 @@ class Settlement:
         one = self._sources[source]
         change = one.model(new, cutout.uv) - one.model(old, cutout.uv)
         return float(np.sqrt(max(float(np.sum(power * np.abs(change) ** 2)), 0.0)))
+
+
+def _ahead(source: ModelledSource, then: GalaxyFit, now: GalaxyFit, far: float) -> GalaxyFit:
+    """Source as far beyond ``now`` as it came from ``then``, times a number."""
+    if min(then.snr, now.snr) <= 0:
+        return now
+    return source.after(now, far * difference(now, then))
 
 
 def _rms(values: Float[Array, " _"]) -> float:

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from uvshear.fit.template import Template, moved
 from uvshear.galaxy import Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.typing import Array, Complex, Float
+
+RELEASE = 100.0
+"""Widening of a sky model's prior on e where no prior may have a part."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +44,11 @@ class ModelledSource(ABC):
     def model(self, fit: GalaxyFit, uv: Float[Array, "cell 2"]) -> Complex[Array, " cell"]:
         """Visibilities of the source as fitted, on the cells of its facet [Jy]."""
         return Template(uv, self.profile).model(fit)
+
+    def released(self) -> Self:
+        """Return the source with next to no prior on its ellipticity."""
+        loose = self.prior.ellipticity_sigma * RELEASE
+        return replace(self, prior=replace(self.prior, ellipticity_sigma=loose))
 
     def after(self, fit: GalaxyFit, step: Float[Array, " 6"]) -> GalaxyFit:
         """Return the source after a step in its parameters, no longer than can be believed."""
