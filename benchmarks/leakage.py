@@ -1,6 +1,7 @@
 """Additive bias against the beam's ellipticity, away from the zenith, and against the size at one SNR.
 
     python benchmarks/leakage.py --estimator mean --galaxies 1000 --table leakage.ecsv
+    python benchmarks/leakage.py --estimator bayesian --galaxies 4500 --zenith-deg 60 --size-arcsec
 
 SKA-Mid AA4, 8 h, no limit of the elevation. Each galaxy is seen twice: as drawn, and turned by a right angle with its
 noise, so that only what the beam's own direction does is left. ``leakage_figure.py`` draws the table.
@@ -46,10 +47,10 @@ def main() -> None:
     """Calibrate without shear, print, add to the table."""
     arguments = parse()
     rows = []
-    for zenith in ZENITH_DISTANCES:
+    for zenith in arguments.zenith_deg:
         experiment = Experiment(beam(zenith), (0j,), snr_min=10.0, seed=arguments.seed)
         rows += measured(arguments, experiment, {"zenith_deg": zenith, "size_arcsec": 0.0})
-    for size in SIZES:
+    for size in arguments.size_arcsec:
         experiment = of_size(beam(40.0), size, arguments.seed)
         rows += measured(arguments, experiment, {"zenith_deg": 40.0, "size_arcsec": size})
     table = Table(rows)
@@ -63,6 +64,8 @@ def parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--estimator", choices=["bayesian", "mean", "moments"], default="moments")
     parser.add_argument("--galaxies", type=int, default=1000)
+    parser.add_argument("--zenith-deg", type=float, nargs="*", default=ZENITH_DISTANCES)
+    parser.add_argument("--size-arcsec", type=float, nargs="*", default=SIZES)
     parser.add_argument("--table", type=Path, help="ECSV to add the figures to")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=2)

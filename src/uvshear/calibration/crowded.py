@@ -3,13 +3,11 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 
 import numpy as np
 
 from uvshear.calibration.bias import LEAST_BLOCKS, Bias, fit_bias, is_told, shears_of
 from uvshear.calibration.estimators import mean_term, moment_term
-from uvshear.constants import MICROJANSKY
 from uvshear.fit.measurement import FitFlag
 from uvshear.galaxy import (
     DiscEllipticityPrior,
@@ -24,7 +22,7 @@ from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic, Stati
 from uvshear.measurement.metacal import MetacalStatistic
 from uvshear.predict import predict_visibilities
 from uvshear.shear.bayesian import UnlensedPopulation, gradient_and_curvature
-from uvshear.shear.estimator import FLUX_BINS
+from uvshear.shear.flux_bins import FLUX_BINS
 from uvshear.shear.packing import unpack
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.typing import Array, Bool, Float
@@ -223,12 +221,10 @@ def _by_flux(
     galaxies = experiment.galaxies
     rank = [np.argsort(np.argsort(x)) * BLOCKS // len(galaxies) for x in (galaxies.l, galaxies.m)]
     block = rank[0] * BLOCKS + rank[1]
-    bins = [("all", 0.0, np.inf)]
-    bins += [(f"{low:g}-{high:g} uJy", low, high) for low, high in pairwise(FLUX_BINS)]
+    everyone = ("all", np.ones(len(galaxies), bool))
     biases = []
-    for name, low, high in bins:
-        wanted = experiment.used & (galaxies.flux >= low * MICROJANSKY)
-        wanted &= galaxies.flux < high * MICROJANSKY
+    for name, inside in (everyone, *((one.name, one.holds(galaxies.flux)) for one in FLUX_BINS)):
+        wanted = experiment.used & inside
         chosen = wanted & good
         values = np.zeros((BLOCKS**2, len(experiment.shears), 6))
         np.add.at(values, block[chosen], terms[:, chosen].swapaxes(0, 1))

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
-from itertools import islice, pairwise
+from itertools import islice
 from multiprocessing import get_context
 
 import numpy as np
@@ -14,13 +14,12 @@ from uvshear.calibration.bias import LEAST_BLOCKS, Bias, fit_bias, is_told, shea
 from uvshear.calibration.cell_average import CellAverageBeam
 from uvshear.calibration.estimators import Estimator, Seen
 from uvshear.calibration.isolated import Beam, Noise, Stage
-from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
 from uvshear.fit.measurement import GalaxyFit
 from uvshear.fit.prior import ShapePrior
 from uvshear.galaxy import Exponential, Galaxies, Profile, SizeFluxRelation
 from uvshear.measurement.extraction import Progress
-from uvshear.shear.estimator import FLUX_BINS
+from uvshear.shear.flux_bins import FLUX_BINS
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.population import Population
 from uvshear.typing import Array, Float
@@ -188,8 +187,8 @@ def calibrate(
     shears = experiment.shears
     failed = np.array([block.failed for block in blocks]).sum(axis=0)
     named = [("all", values.sum(axis=1), int(count.sum()), int(failed.sum()))]
-    for k, (low, high) in enumerate(pairwise(FLUX_BINS)):
-        named.append((f"{low:g}-{high:g} uJy", values[:, k], int(count[k]), int(failed[k])))
+    for k, one in enumerate(FLUX_BINS):
+        named.append((one.name, values[:, k], int(count[k]), int(failed[k])))
     total, *bins = named
     told = [one for one in bins if is_told(one[1]).sum() >= LEAST_BLOCKS]
     return [fit_bias(name, shears, about, part, n, bad) for name, part, n, bad in (total, *told)]
@@ -249,12 +248,13 @@ def sums_of(
     number: int,
 ) -> Sums:
     """Draw galaxies ``first`` and on; let the estimator see each behind every shear, expanded ``about`` it."""
-    edges = np.array(FLUX_BINS) * MICROJANSKY
-    values = np.zeros((len(edges) - 1, len(about), 6))
-    galaxies: list[set[int]] = [set() for _ in edges[1:]]
-    failed = np.zeros(len(edges) - 1)
+    # One row more, for fluxes of no bin.
+    rows = len(FLUX_BINS) + 1
+    values, failed = np.zeros((rows, len(about), 6)), np.zeros(rows)
+    galaxies: list[set[int]] = [set() for _ in range(rows)]
     for number_of, column, seen in looks(experiment, about, first, number):
-        row = int(np.clip(np.searchsorted(edges, seen.flux, side="right") - 1, 0, len(edges) - 2))
+        flux = np.array([seen.flux])
+        row = next((k for k, one in enumerate(FLUX_BINS) if one.holds(flux)), len(FLUX_BINS))
         if (term := estimator.term(seen)) is None:
             failed[row] += 1
         elif term[1].any():

@@ -58,8 +58,8 @@ SETTLED_ENOUGH = 0.5
 """And when they move by less than this part of the tolerance."""
 
 RELEASES = 3
-"""Times that a released sky settles: thirty galaxies, 17 to a square arcminute, lose 10.3 % of their moments held, 3.0 %
-after one time, 1.0 after two and 0.5 after three with the step ahead, 0.4 after twelve."""
+"""Times that a released sky settles: thirty galaxies, 17 to a square arcminute, lose 10.3 % of their moments held,
+3.0 % after one time, 1.0 after two and 0.5 after three with the step ahead, 0.4 after twelve."""
 
 FARTHEST_AHEAD = 1.0
 """Of the last move, at most, that a released sky is carried on by."""

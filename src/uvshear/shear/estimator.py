@@ -3,26 +3,22 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import Self
 
 import numpy as np
 
-from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
 from uvshear.shear.bayesian import (
     ShapeLikelihood,
     UnlensedPopulation,
     gradient_and_curvature,
 )
+from uvshear.shear.flux_bins import FLUX_BINS
 from uvshear.shear.hierarchy import fit_population
 from uvshear.shear.mean import ShearEstimate, weighted_mean_shear
 from uvshear.shear.moments import about_shear, moment_weight
 from uvshear.shear.response import Responses
 from uvshear.typing import Array, Bool, Complex, Float
-
-FLUX_BINS = (10.0, 20.0, 50.0, 200.0)
-"""Edges [uJy]."""
 
 ROUNDS = 3
 """Of the expansion about the estimate: what is left is of the fourth order in its first error."""
@@ -170,9 +166,8 @@ def by_flux(
 ) -> dict[str, ShearEstimate]:
     """Shear of the chosen galaxies in each bin of the catalogue's flux [Jy] that has enough of them."""
     found = {}
-    for low, high in pairwise(FLUX_BINS):
-        inside = chosen & estimator.usable & (flux >= low * MICROJANSKY)
-        inside &= flux < high * MICROJANSKY
+    for one in FLUX_BINS:
+        inside = chosen & estimator.usable & one.holds(flux)
         if inside.sum() >= FEWEST:
-            found[f"{low:g}-{high:g} uJy"] = estimator.of(inside)
+            found[one.name] = estimator.of(inside)
     return found
