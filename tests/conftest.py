@@ -5,6 +5,8 @@ import os
 from pathlib import Path
 
 import jaxtyping
+import pytest
+from threadpoolctl import threadpool_limits
 
 from tests.runtime_types import beartype_what_is_knowable
 
@@ -30,3 +32,10 @@ def _leaf_modules() -> list[str]:
 jaxtyping.install_import_hook(
     _leaf_modules(), f"{beartype_what_is_knowable.__module__}.{beartype_what_is_knowable.__name__}"
 )
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_thread_for_linear_algebra():
+    """As calibrations and extractions have it: workers of the tests share the cores as it is."""
+    with threadpool_limits(1, user_api="blas"):
+        yield

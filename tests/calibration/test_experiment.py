@@ -42,8 +42,9 @@ from uvshear.trials import Survey
 SHEARS = (0.03 * np.exp(0.25j * np.pi), -0.03 * np.exp(0.25j * np.pi))
 
 
-def _plan():
-    track = Track.from_clock(PhaseCentre(0.0, np.radians(-30)), ((-14400.0, 14400.0),), 1800.0)
+def _plan(declination=-30.0):
+    centre = PhaseCentre(0.0, np.radians(declination))
+    track = Track.from_clock(centre, ((-14400.0, 14400.0),), 1800.0)
     return ObservingPlan(load_layout("ska-mid-aa4"), track, Channels.from_band(0.95e9, 1.19e9, 1))
 
 
@@ -295,10 +296,34 @@ def test_without_shear_only_the_additive_bias_is_told(beam, moments):
     assert abs(record["c1"]) < 1e-4
 
 
+def test_the_beams_ellipticity_leaks_into_the_mean_and_not_into_moments():
+    """Sixty degrees from zenith, faint galaxies without a shear."""
+    beam = Survey(_plan(29.3), (0j,)).alone().beam
+    population = Population(flux=PowerLawFlux(minimum=10e-6, maximum=15e-6))
+    faint = Experiment(beam, (0j,), population=population, seed=5)
+
+    def c1(estimator, number):
+        values = sums_of(faint, estimator, (0j,), 0, number).values.sum(axis=0)
+        return fit_bias("all", (0j,), (0j,), np.array([values, values]), number).c[0]
+
+    assert c1(MeanEstimator(), 25) < -0.004
+    assert abs(c1(MomentEstimator(), 25)) < 2e-4
+
+
 def test_galaxies_below_a_flux_are_left_out(experiment, moments):
     every = sums_of(experiment, moments, SHEARS, 0, 50).count
     some = sums_of(replace(experiment, flux_min=50e-6), moments, SHEARS, 0, 50).count
-    np.testing.assert_array_equal(some, [0, 0, every[2]])
+    np.testing.assert_array_equal(some[:3], [0, 0, every[2]])
+
+
+def test_fluxes_of_no_bin_are_in_the_total_alone(experiment, moments):
+    beyond = replace(
+        experiment,
+        population=Population(flux=PowerLawFlux(minimum=300e-6, maximum=400e-6)),
+    )
+    total, *bins = calibrate(beyond, moments, 100)
+    assert total.n == 100
+    assert not bins
 
 
 def test_a_cut_on_what_was_measured_takes_galaxies_out_look_by_look(experiment, moments):
