@@ -12,7 +12,7 @@ from typing import Annotated, Final
 import typer
 
 from uvshear import __version__
-from uvshear.cli import bias, catalogue, demo, layouts, measure, psf, shear, simulate
+from uvshear.cli import bias, catalogue, demo, info, layouts, measure, psf, shear, simulate
 from uvshear.errors import InputError
 from uvshear.io.outputs import remove_unfinished
 
@@ -36,7 +36,7 @@ app = typer.Typer(
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
-for module in (layouts, catalogue, simulate, measure, shear, bias, psf, demo):
+for module in (layouts, catalogue, simulate, info, measure, shear, bias, psf, demo):
     module.register(app)
 
 

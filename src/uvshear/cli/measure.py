@@ -161,6 +161,7 @@ def measure(
     from uvshear.galaxy import CatalogueSize, SizeFluxRelation
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.images import write_residual_image
+    from uvshear.io.inspection import inspect
     from uvshear.io.observations import open_observation
     from uvshear.io.outputs import check_file
     from uvshear.io.remarks import remarks_on
@@ -209,8 +210,9 @@ def measure(
     columns = tuple(name for one in statistics for name in one.columns)
     keep_statistics(output, shapes["id"], columns, extracted.kept, overwrite=overwrite)
     for path in measurement_sets:
-        for remark in remarks_on(path, column, field_of(field)):
-            warn(remark)
+        for content in inspect(path, column, field_of(field)).fields:
+            for remark in remarks_on(content):
+                warn(remark)
     measured = sum(flag == "ok" for flag in shapes["flag"])
     say(f"{output}: {measured} of {len(shapes)} sources measured")
     tell_convergence(extracted.record)

@@ -43,6 +43,12 @@ def show_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]
     console.print(table)
 
 
+def show_facts(title: str, facts: Sequence[tuple[str, str]]) -> None:
+    """Show names and what is so named on stdout, one pair a line."""
+    width = max(len(name) for name, _ in facts)
+    say("\n".join([title, *(f"  {name:<{width}}  {fact}" for name, fact in facts)]))
+
+
 def warn(text: str) -> None:
     """Show a line on stderr for what is done all the same."""
     typer.echo(f"uvshear: note: {text}", err=True)

@@ -8,7 +8,30 @@ import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Bool, Complex, Float, Int
+
+
+@dataclass(frozen=True)
+class Integrations:
+    """What each row of a block was averaged over.
+
+    Parameters
+    ----------
+    antennas
+        Numbers of ANTENNA1 and ANTENNA2.
+    time
+        Middle [s], from any epoch.
+    interval
+        Length [s]; 0 where it is not known.
+    """
+
+    antennas: Int[Array, "row 2"]
+    time: Float[Array, " row"]
+    interval: Float[Array, " row"]
+
+    def select(self, chosen: Bool[Array, " row"] | slice) -> Self:
+        """Return the rows chosen."""
+        return type(self)(self.antennas[chosen], self.time[chosen], self.interval[chosen])
 
 
 @dataclass(frozen=True)
@@ -25,12 +48,18 @@ class Visibilities:
         DATA = sum S exp(+2 pi i (u l + v m + w (n-1))) [Jy]. Finite wherever the weight is positive.
     weights
         1/sigma^2, sigma of one real component [Jy^-2]; 0 marks what is flagged.
+    width
+        Of the channels [Hz]; None where it is not known.
+    integrations
+        Of the rows; None where they are not known.
     """
 
     uvw: Float[Array, "row 3"]
     frequency: Float[Array, " chan"]
     stokes_i: Complex[Array, "row chan"]
     weights: Float[Array, "row chan"]
+    width: Float[Array, " chan"] | None = None
+    integrations: Integrations | None = None
 
     def __len__(self) -> int:
         return len(self.uvw)

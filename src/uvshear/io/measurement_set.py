@@ -14,7 +14,7 @@ from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import stokes_i
-from uvshear.interferometer.visibilities import Visibilities
+from uvshear.interferometer.visibilities import Integrations, Visibilities
 from uvshear.io.measurement_set_header import (
     DataDescription,
     Header,
@@ -123,7 +123,7 @@ class MeasurementSet:
             At the end, when nothing read had a positive weight.
         """
         summary = MeasurementSetSummary()
-        for visibilities, counts in self._read():
+        for visibilities, counts in self.counted_chunks():
             summary += counts
             if len(visibilities):
                 yield visibilities
@@ -133,7 +133,7 @@ class MeasurementSet:
         """Read everything once and count."""
         return reduce(
             lambda total, counts: total + counts,
-            (counts for _, counts in self._read()),
+            (counts for _, counts in self.counted_chunks()),
             MeasurementSetSummary(),
         )
 
@@ -143,7 +143,8 @@ class MeasurementSet:
         samples = max(len(one.channels) * one.correlations for one in self.header.descriptions)
         return max(1, self.memory // (BYTES_PER_SAMPLE * samples + BYTES_PER_ROW))
 
-    def _read(self) -> Iterator[tuple[Visibilities, MeasurementSetSummary]]:
+    def counted_chunks(self) -> Iterator[tuple[Visibilities, MeasurementSetSummary]]:
+        """Read everything once, chunks without any cross-correlation too, and count what is in each."""
         path = Path(self.path)
         with open_table(path) as main, casacore_errors(path, f"column {self.column}"):
             reader = _Reader(main, self.column, self.header, heeds_flags=self.heeds_flags)
@@ -170,8 +171,8 @@ class _Reader:
     def split(self, start: int, count: int) -> Iterator[tuple[DataDescription, Int[Array, " row"]]]:
         """Rows of the chosen field, spectral window by spectral window."""
         rows = np.arange(start, start + count)
-        if self.header.field is not None:
-            rows = rows[self.main.getcol("FIELD_ID", start, count) == self.header.field]
+        if not self.header.is_only_field:
+            rows = rows[self.main.getcol("FIELD_ID", start, count) == self.header.field_id]
         if len(self.header.descriptions) == 1:
             identifiers = np.zeros(len(rows), dtype=int)
         else:
@@ -201,23 +202,38 @@ class _Reader:
         table.getcolnp("UVW", uvw, start, count)
         nowhere = ~np.isfinite(uvw).all(axis=1)
         uvw[nowhere], correlations[nowhere] = 0.0, np.nan  # counted as not finite, and left out
-        is_cross = table.getcol("ANTENNA1", start, count) != table.getcol("ANTENNA2", start, count)
+        integrations = self._integrations(table, start, count)
+        is_cross = integrations.antennas[:, 0] != integrations.antennas[:, 1]
         # A slice of the correlations, not an index: a view costs nothing.
         first, last = min(description.hands), max(description.hands)
         hands = slice(first, last + 1, max(1, last - first))
         if is_cross.all():
             return _combine(
-                description, uvw, correlations[..., hands], weights[..., hands], flags[..., hands]
+                description,
+                uvw,
+                integrations,
+                correlations[..., hands],
+                weights[..., hands],
+                flags[..., hands],
             )
         visibilities, counts = _combine(
             description,
             uvw[is_cross],
+            integrations.select(is_cross),
             correlations[is_cross, :, hands],
             weights[is_cross, :, hands],
             flags[is_cross, :, hands],
         )
         autocorrelations = count - int(np.count_nonzero(is_cross))
         return visibilities, counts + MeasurementSetSummary(autocorrelations=autocorrelations)
+
+    def _integrations(self, table: tables.table, start: int, count: int) -> Integrations:
+        antennas = [table.getcol(f"ANTENNA{end}", start, count) for end in (1, 2)]
+        time = np.asarray(table.getcol("TIME", start, count), float)
+        interval = np.zeros(count)
+        if (column := self.header.interval_column) is not None:
+            interval = np.asarray(table.getcol(column, start, count), float)
+        return Integrations(np.column_stack(antennas), time, interval)
 
     def _weights(
         self, table: tables.table, start: int, shape: tuple[int, int, int]
@@ -247,6 +263,7 @@ class _Reader:
 def _combine(
     description: DataDescription,
     uvw: Float[Array, "row 3"],
+    integrations: Integrations,
     correlations: Complex[Array, "row chan corr"],
     weights: Float[Array, "row chan corr"],
     flags: Bool[Array, "row chan corr"],
@@ -266,6 +283,8 @@ def _combine(
         frequency=description.channels.frequency,
         stokes_i=combined.visibilities,
         weights=combined.weights,
+        width=description.channels.width,
+        integrations=integrations,
     )
     return visibilities, counts
 

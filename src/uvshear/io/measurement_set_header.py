@@ -14,7 +14,8 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import parallel_hands
 
-NEEDED_COLUMNS = ("UVW", "FLAG", "ANTENNA1", "ANTENNA2", "DATA_DESC_ID", "FIELD_ID")
+NEEDED_COLUMNS = ("UVW", "FLAG", "ANTENNA1", "ANTENNA2", "DATA_DESC_ID", "FIELD_ID", "TIME")
+INTERVAL_COLUMNS = ("INTERVAL", "EXPOSURE")
 WEIGHT_COLUMNS = ("WEIGHT_SPECTRUM", "WEIGHT", "SIGMA")
 FRAMES = ("J2000", "ICRS")
 ROWS_SCANNED = 2**20
@@ -51,21 +52,27 @@ class Header:
     ----------
     rows
         Of the main table.
-    field
-        The one FIELD_ID that is read; None when all rows have it.
+    field_id
+        The one FIELD_ID that is read.
+    is_only_field
+        Whether all rows have it.
     phase_centre
         Of that field.
     descriptions
         One for each DATA_DESC_ID, in order.
     weight_column
         WEIGHT_SPECTRUM, WEIGHT or SIGMA: the first that is filled.
+    interval_column
+        INTERVAL, the span that a row was averaged over; EXPOSURE, or None, in a set that has none.
     """
 
     rows: int
-    field: int | None
+    field_id: int
+    is_only_field: bool
     phase_centre: PhaseCentre
     descriptions: tuple[DataDescription, ...]
     weight_column: str
+    interval_column: str | None
 
 
 @contextmanager
@@ -91,7 +98,7 @@ def open_table(path: Path, subtable: str = "") -> Iterator[tables.table]:
 
 def read_header(path: Path, column: str, field: int | str | None) -> Header:
     """Read and check; what is wrong raises one line."""
-    _check_is_measurement_set(path)
+    check_is_measurement_set(path)
     with open_table(path) as main:
         _check_columns(path, main, column)
         if main.nrows() == 0:
@@ -100,14 +107,17 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
             field_id, is_only_field = _choose_field(path, main, field)
             return Header(
                 rows=main.nrows(),
-                field=None if is_only_field else field_id,
+                field_id=field_id,
+                is_only_field=is_only_field,
                 phase_centre=_phase_centre(path, field_id),
                 descriptions=_descriptions(path),
                 weight_column=_weight_column(path, main, column),
+                interval_column=_interval_column(main),
             )
 
 
-def _check_is_measurement_set(path: Path) -> None:
+def check_is_measurement_set(path: Path) -> None:
+    """Refuse what is none, with what it is instead."""
     if not path.exists():
         raise InputError(f"{path}: no such file; the path of a Measurement Set is needed")
     if not (path / "table.dat").is_file():
@@ -123,7 +133,7 @@ def _check_is_measurement_set(path: Path) -> None:
 def _check_columns(path: Path, main: tables.table, column: str) -> None:
     present = main.colnames()
     if column not in present:
-        like = [name for name in present if _is_complex_column(main, name)]
+        like = visibility_columns(main)
         raise InputError(
             f"{path}: no column {column}; those with visibilities: {', '.join(like) or 'none'}"
         )
@@ -139,12 +149,17 @@ def _check_columns(path: Path, main: tables.table, column: str) -> None:
         )
 
 
+def visibility_columns(main: tables.table) -> tuple[str, ...]:
+    """Names of the columns of complex numbers."""
+    return tuple(name for name in main.colnames() if _is_complex_column(main, name))
+
+
 def _is_complex_column(main: tables.table, name: str) -> bool:
     return str(main.coldatatype(name)) in {"complex", "dcomplex"}
 
 
-def _choose_field(path: Path, main: tables.table, field: int | str | None) -> tuple[int, bool]:
-    """Return the FIELD_ID to read, and whether all rows have it."""
+def fields_present(path: Path, main: tables.table) -> dict[int, str | None]:
+    """Name of each FIELD_ID that has rows, in order; None where FIELD does not have it."""
     with open_table(path, "FIELD") as fields:
         names = [str(name) for name in fields.getcol("NAME")] if fields.nrows() else []
     if not names:
@@ -155,23 +170,23 @@ def _choose_field(path: Path, main: tables.table, field: int | str | None) -> tu
         present = set()
         for start in range(0, main.nrows(), ROWS_SCANNED):
             present |= set(np.unique(main.getcol("FIELD_ID", start, ROWS_SCANNED)).tolist())
-    listed = ", ".join(
-        f"{index} ({names[index]})" for index in sorted(present) if index < len(names)
-    )
+    return {one: names[one] if 0 <= one < len(names) else None for one in sorted(present)}
+
+
+def _choose_field(path: Path, main: tables.table, field: int | str | None) -> tuple[int, bool]:
+    """Return the FIELD_ID to read, and whether all rows have it."""
+    present = fields_present(path, main)
+    listed = ", ".join(f"{index} ({name})" for index, name in present.items() if name is not None)
     if field is None:
         if len(present) > 1:
             raise InputError(f"{path}: several fields, {listed}; choose one with --field (field=)")
         chosen = next(iter(present))
     else:
-        matching = [
-            index
-            for index in sorted(present)
-            if index == field or (index < len(names) and names[index] == field)
-        ]
+        matching = [one for one, name in present.items() if field in (one, name)]
         if not matching:
             raise InputError(f"{path}: no rows of field {field}; there are {listed}")
         chosen = matching[0]
-    if not 0 <= chosen < len(names):
+    if present[chosen] is None:
         raise InputError(f"{path}: FIELD_ID {chosen} has no row in FIELD, so no phase centre")
     return chosen, len(present) == 1
 
@@ -238,3 +253,10 @@ def _weight_column(path: Path, main: tables.table, column: str) -> str:
         f"{path}: no positive weights in {', '.join(WEIGHT_COLUMNS)};"
         " one of them must hold 1/sigma^2 (or sigma)"
     )
+
+
+def _interval_column(main: tables.table) -> str | None:
+    for name in INTERVAL_COLUMNS:
+        if name in main.colnames() and main.getcell(name, 0) > 0:
+            return name
+    return None

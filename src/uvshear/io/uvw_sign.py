@@ -34,8 +34,8 @@ def uvw_sign_agrees(
         time = np.asarray(chosen.getcol("TIME"), dtype=float)
         same_field = (
             np.ones(len(rows), dtype=bool)
-            if header.field is None
-            else chosen.getcol("FIELD_ID") == header.field
+            if header.is_only_field
+            else chosen.getcol("FIELD_ID") == header.field_id
         )
     with open_table(Path(path), "ANTENNA") as antennas, casacore_errors(Path(path), "ANTENNA"):
         positions = np.asarray(antennas.getcol("POSITION"), dtype=float)

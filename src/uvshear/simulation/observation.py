@@ -13,7 +13,7 @@ from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.noise import Noise
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import stokes_i
-from uvshear.interferometer.visibilities import Visibilities
+from uvshear.interferometer.visibilities import Integrations, Visibilities
 from uvshear.predict import predict_visibilities
 from uvshear.typing import Array, Complex, Float
 
@@ -115,7 +115,14 @@ class SimulatedObservation:
                 frequency=self.channels.frequency,
                 stokes_i=combined.visibilities,
                 weights=combined.weights,
+                width=self.channels.width,
+                integrations=self._integrations(rows),
             )
+
+    def _integrations(self, rows: slice) -> Integrations:
+        taken = self.coverage.rows(rows)
+        antennas = np.column_stack([taken.antenna1, taken.antenna2])
+        return Integrations(antennas, taken.time, np.full(len(taken), taken.integration))
 
     def _add_noise(
         self,

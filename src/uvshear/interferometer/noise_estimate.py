@@ -1,0 +1,72 @@
+"""How large the noise of visibilities is, by the visibilities themselves, against what their weights say."""
+
+import math
+
+import numpy as np
+
+from uvshear.interferometer.visibilities import Observation, Visibilities
+from uvshear.typing import Array, Float
+
+MOST_PAIRS = 2**20
+"""Differences that are looked at: the ratio is then known to 0.1 per cent."""
+
+FEWEST_PAIRS = 100
+
+
+def noise_over_weights(observation: Observation) -> float | None:
+    r"""Estimate the noise's standard deviation over that of the weights, from neighbours' differences.
+
+    Neighbours are channels of a row, or integrations of a baseline, whichever differ less: a bright sky, and one far
+    out, differs between them too. With D the difference of two samples, of weights w,
+
+    .. math:: \frac{\sigma^2}{\sigma_w^2} = \frac{\mathrm{med}\,\{|D|^2 / (1/w_1 + 1/w_2)\}}{2 \ln 2}
+
+    None where fewer than a hundred pairs have weight, or nobody knows which rows belong together. Channels that were
+    smoothed (Hanning) share noise, and seem quieter than they are.
+    """
+    found: tuple[list[Array], list[Array]] = ([], [])
+    counts = [0, 0]
+    for chunk in observation.chunks():
+        for way, differences in enumerate((_of_channels(chunk), _of_integrations(chunk))):
+            found[way].append(differences)
+            counts[way] += len(differences)
+        if max(counts) >= MOST_PAIRS:
+            break
+    medians = [
+        float(np.median(np.concatenate(parts)))
+        for parts, count in zip(found, counts, strict=True)
+        if count >= FEWEST_PAIRS
+    ]
+    return math.sqrt(min(medians) / (2 * math.log(2))) if medians else None
+
+
+def _of_channels(seen: Visibilities) -> Float[Array, " pair"]:
+    return _differences(
+        (seen.stokes_i[:, :-1], seen.weights[:, :-1]), (seen.stokes_i[:, 1:], seen.weights[:, 1:])
+    )
+
+
+def _of_integrations(seen: Visibilities) -> Float[Array, " pair"]:
+    taken = seen.integrations
+    if taken is None:
+        return np.zeros(0)
+    order = np.lexsort((taken.time, taken.antennas[:, 1], taken.antennas[:, 0]))
+    first, second = order[:-1], order[1:]
+    is_pair = (taken.antennas[first] == taken.antennas[second]).all(axis=1)
+    # Further apart, across a gap or after a calibrator, the sky has turned.
+    apart = taken.time[second] - taken.time[first]
+    if is_pair.any():
+        is_pair &= apart < 1.5 * np.median(apart[is_pair])
+    first, second = first[is_pair], second[is_pair]
+    return _differences(
+        (seen.stokes_i[first], seen.weights[first]), (seen.stokes_i[second], seen.weights[second])
+    )
+
+
+def _differences(
+    one: tuple[Array, Float[Array, "row chan"]], other: tuple[Array, Float[Array, "row chan"]]
+) -> Float[Array, " pair"]:
+    (vis, weight), (other_vis, other_weight) = one, other
+    both = (weight > 0) & (other_weight > 0)
+    variance = 1 / weight[both].astype(float) + 1 / other_weight[both]
+    return np.abs(vis[both] - other_vis[both]) ** 2 / variance
