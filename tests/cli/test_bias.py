@@ -39,6 +39,10 @@ def test_the_bias_of_moments_is_told_and_written(uvshear: Callable, tmp_path: Pa
         (["--position-error-arcsec", "3"], "bear up to"),
         (["--facet", "cell-average"], "is for the paper's mean, not moments"),
         (["--prior", "fitted"], "moments has no prior; bayesian has"),
+        (
+            ["--wraps", "bayesian", "--prior", "fitted"],
+            "--wraps bayesian: is for --estimator metacal",
+        ),
     ],
 )
 def test_a_wrong_call_is_one_line(
@@ -50,6 +54,25 @@ def test_a_wrong_call_is_one_line(
     assert message in outcome.err
     assert len(outcome.err.splitlines()) == 1
     assert not output.exists()
+
+
+@pytest.mark.parametrize(
+    ("estimator", "words", "message"),
+    [
+        ("metacal", "--selection measured", "another than that of the shapes"),
+        ("metacal", "--density 3 --wraps moments", "--wraps: is for galaxies alone"),
+        ("metacal", "--prior fitted", "mean has no prior"),
+        ("mean", "--facet cell-average --shear 0", "its cells do not turn; give a shear"),
+    ],
+)
+def test_what_would_not_be_heeded_is_refused(
+    uvshear: Callable, tmp_path: Path, estimator: str, words: str, message: str
+) -> None:
+    output = tmp_path / "bias.json"
+    outcome = uvshear("bias", "--estimator", estimator, *QUICK, *words.split(), "-o", output)
+    assert outcome.status == 2
+    assert message in outcome.err
+    assert len(outcome.err.splitlines()) == 1
 
 
 @pytest.mark.parametrize(

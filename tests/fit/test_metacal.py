@@ -6,14 +6,14 @@ import pytest
 from uvshear.constants import ARCSEC
 from uvshear.extraction.cutout import cutout
 from uvshear.fit.measurement import GalaxyFit
-from uvshear.fit.metacal import REACH, SCALE, STEP, Metacalibration
+from uvshear.fit.metacal import REACH, STEP, WIDEST, Metacalibration, scale_of
 from uvshear.fit.template import Template
 from uvshear.galaxy import Exponential
 from uvshear.geometry.ellipticity import add_shear, sheared_scale_length
 
 WIDTH = 45 * ARCSEC
 CELLS = cutout(100, WIDTH / 100, 0.0, 100e3)
-ROUND = cutout(100, WIDTH / 100, 0.0, REACH * SCALE)
+ROUND = cutout(100, WIDTH / 100, 0.0, REACH * WIDEST)
 
 
 def _power():
@@ -27,7 +27,7 @@ def _power():
 
 
 POWER = _power()
-METACAL = Metacalibration(CELLS.uv, POWER, WIDTH, ROUND.uv, ROUND.multiplicity)
+METACAL = Metacalibration(CELLS.uv, POWER, WIDTH, WIDEST, ROUND.uv, ROUND.multiplicity)
 NOTHING = np.zeros(len(POWER), complex)
 
 
@@ -63,7 +63,7 @@ def _quadrupole_response(counter):
     """Change with the shear of how noise looks like a galaxy along an axis."""
     rng = np.random.default_rng(4)
     u, v = ROUND.uv.T
-    pattern = (u**2 - v**2) / SCALE**2
+    pattern = (u**2 - v**2) / WIDEST**2
     changes = []
     for _ in range(400):
         noise, more = ((a + 1j * b) for a, b in rng.standard_normal((2, 2, len(POWER))))
@@ -94,3 +94,9 @@ def test_the_noise_is_about_what_the_power_says():
         still = METACAL.of(np.sqrt(POWER) * noise, more).still
         ratios.append(np.sum(still.correlation.real**2) / np.sum(still.power))
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.15)
+
+
+def test_the_round_beam_ends_where_the_baselines_do():
+    near = np.hypot(*CELLS.uv.T) < 30e3
+    assert scale_of(CELLS.uv, POWER) == WIDEST
+    assert REACH * scale_of(CELLS.uv, POWER * near) == pytest.approx(30e3, rel=0.06)

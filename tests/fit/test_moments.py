@@ -108,15 +108,6 @@ def test_moments_are_linear_in_the_data():
     np.testing.assert_allclose(both.response, apart[0].response + apart[1].response, rtol=1e-9)
 
 
-def test_facets_that_differ_in_long_baselines_share_weights():
-    shorter = cutout(100, WIDTH / 100, 0.0, 95e3)
-    envelope = _visibilities(shorter.uv, 0.3, 1.0 * ARCSEC, Exponential())
-    kept = np.hypot(*CELLS.uv.T) <= 95e3
-    data = (POWER[kept] * 1e-5 * envelope).astype(complex)
-    got = FUNCTIONAL.on(shorter.uv).measure(data)
-    np.testing.assert_allclose(got.shape, FUNCTIONAL.measure(_data(0.3)).shape, rtol=1e-9)
-
-
 def test_the_covariance_is_that_of_noise():
     rng = np.random.default_rng(4)
     noise = np.sqrt(POWER) * (rng.normal(size=(4000, len(POWER))) + 0j)

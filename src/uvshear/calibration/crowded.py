@@ -131,20 +131,22 @@ class FieldMoments(FieldEstimator):
     def term(self, extracted: Extracted, source: int, flux: float, about: complex) -> Row:
         """M_1, M_2 and their derivatives by the shear."""
         kept = extracted.kept.get(source)
-        return NOTHING if kept is None else _row(*moment_term(kept, flux, about))
+        if kept is None or "m1" not in kept:
+            return NOTHING
+        return _row(*moment_term(kept, flux, about))
 
 
 class FieldMetacal(FieldEstimator):
     """Ellipticities behind a round beam, with their response to a shear of the data."""
 
-    def __init__(self) -> None:
-        """Make the statistic that keeps them."""
-        self.statistics = (MetacalStatistic(),)
+    def __init__(self, seed: int = 1) -> None:
+        """``seed`` is that of the noise that is added."""
+        self.statistics = (MetacalStatistic(seed=seed),)
 
     def term(self, extracted: Extracted, source: int, flux: float, about: complex) -> Row:
         """Weighted ellipticity, and its response."""
         kept = extracted.kept.get(source)
-        if kept is None:
+        if kept is None or "mc1" not in kept:
             return NOTHING
         return np.array([float(kept[name]) for name in MetacalStatistic.columns])
 

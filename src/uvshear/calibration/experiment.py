@@ -172,16 +172,18 @@ def calibrate(
 ) -> list[Bias]:
     """Bias of an estimator in total and by flux; the same whatever the number of processes."""
     about: Sequence[complex] = [0j] * len(experiment.shears)
+    pilot = min(PILOT, galaxies) if estimator.is_expanded else 0
+    tick = _counted(galaxies + PILOT_ROUNDS * pilot, progress)
     if estimator.is_learning:
         # Without shear, each once, as a survey has them; not those that are measured.
         every = looks(replace(experiment, shears=(0j,)), [0j], galaxies, PUPILS)
         estimator = estimator.learned([seen for _, _, seen in islice(every, 0, None, len(TURNED))])
     if estimator.is_expanded:
         for _ in range(PILOT_ROUNDS):
-            sums = _run(experiment, estimator, about, min(PILOT, galaxies), threads, None)
+            sums = _run(experiment, estimator, about, pilot, threads, tick)
             found = shears_of(sum(one.values.sum(axis=0) for one in sums), about)
             about = [complex(*pair) for pair in found]
-    blocks = _run(experiment, estimator, about, galaxies, threads, progress)
+    blocks = _run(experiment, estimator, about, galaxies, threads, tick)
     values = np.array([block.values for block in blocks])
     count = np.array([block.count for block in blocks]).sum(axis=0)
     shears = experiment.shears
@@ -200,15 +202,29 @@ def _run(
     about: Sequence[complex],
     galaxies: int,
     threads: int,
-    progress: Progress | None,
+    tick: Callable[[int], None],
 ) -> list[Sums]:
     tasks = [(first, min(BLOCK, galaxies - first)) for first in range(0, galaxies, BLOCK)]
     done: list[Sums] = []
-    for sums in _in_processes((experiment, estimator, about), tasks, threads):
+    for (_, number), sums in zip(
+        tasks, _in_processes((experiment, estimator, about), tasks, threads), strict=True
+    ):
         done.append(sums)
-        if progress is not None:
-            progress(min(len(done) * BLOCK, galaxies), galaxies)
+        tick(number)
     return done
+
+
+def _counted(total: int, progress: Progress | None) -> Callable[[int], None]:
+    """Count galaxies for the progress, those of the first guesses too."""
+    done = 0
+
+    def tick(number: int) -> None:
+        nonlocal done
+        done += number
+        if progress is not None:
+            progress(done, total)
+
+    return tick
 
 
 _Setting = tuple[Experiment, Estimator, Sequence[complex]]

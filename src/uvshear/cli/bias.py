@@ -3,15 +3,24 @@
 
 import cmath
 import math
-from collections.abc import Callable, Mapping
 from dataclasses import replace
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from uvshear import __version__
+from uvshear.cli.calibrated import (
+    CalibratedName,
+    FacetName,
+    SelectionName,
+    WrappedName,
+    estimator_of,
+    field_estimator_of,
+    refuse_estimator,
+    refuse_in_a_crowd,
+    refuse_shear,
+)
 from uvshear.cli.options import (
     Overwrite,
     Pair,
@@ -27,48 +36,14 @@ from uvshear.cli.options import (
 from uvshear.cli.priors import PriorName
 from uvshear.cli.profiles import ProfileName, profile_of
 from uvshear.cli.terminal import progress_bar, say
-from uvshear.errors import InputError
 
 if TYPE_CHECKING:
     from uvshear.calibration.bias import Bias
-    from uvshear.calibration.crowded import FieldEstimator
-    from uvshear.calibration.estimators import Estimator
 
 EPILOG = (
     "Example: uvshear bias --estimator moments --galaxies 20000 --snr-min 10 --shear 0.03 --seed 1 "
     "-o BIAS.json"
 )
-
-
-class CalibratedName(StrEnum):
-    """An estimator of the shear of isolated galaxies."""
-
-    MEAN = "mean"
-    MOMENTS = "moments"
-    BAYESIAN = "bayesian"
-    METACAL = "metacal"
-
-
-class WrappedName(StrEnum):
-    """An estimator that metacalibration wraps."""
-
-    MEAN = "mean"
-    MOMENTS = "moments"
-    BAYESIAN = "bayesian"
-
-
-class FacetName(StrEnum):
-    """How visibilities become facets."""
-
-    EXACT = "exact"
-    CELL_AVERAGE = "cell-average"
-
-
-class SelectionName(StrEnum):
-    """What a cut by the signal-to-noise ratio looks at."""
-
-    CATALOGUE = "catalogue"
-    MEASURED = "measured"
 
 
 def register(app: typer.Typer) -> None:
@@ -82,7 +57,7 @@ def bias(
         int,
         typer.Option(
             min=100,
-            help="Galaxies, each measured four times behind each shear, eight times without.",
+            help="Galaxies, each measured four times behind each shear; without one, eight times alone.",
         ),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="JSON file to write.")],
@@ -133,8 +108,9 @@ def bias(
         typer.Option(help="Population of bayesian: the one drawn from, or fitted to a sample."),
     ] = PriorName.PAPER,
     wraps: Annotated[
-        WrappedName, typer.Option(help="What metacal calibrates: how it responds to sheared data.")
-    ] = WrappedName.MEAN,
+        WrappedName | None,
+        typer.Option(help="What metacal calibrates; by default the mean.", show_default=False),
+    ] = None,
     facet: Annotated[
         FacetName, typer.Option(help="Exact, or the paper's averages in cells (mean only).")
     ] = FacetName.EXACT,
@@ -179,21 +155,21 @@ def bias(
     from uvshear.trials import Survey, calibrate_crowded
 
     check_file(output, overwrite=overwrite)
-    if shear >= 1:
-        raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
     is_measured, is_averaged = selection is SelectionName.MEASURED, facet is FacetName.CELL_AVERAGE
-    if prior is PriorName.FITTED and CalibratedName.BAYESIAN not in (estimator, wraps):
-        raise InputError(f"--prior fitted: {estimator.value} has no prior; bayesian has")
-    if is_averaged and estimator is not CalibratedName.MEAN:
-        raise InputError(f"--facet cell-average: is for the paper's mean, not {estimator.value}")
+    is_fitted = prior is PriorName.FITTED
+    refuse_shear(shear, is_averaged=is_averaged)
+    refuse_estimator(
+        estimator, wraps, is_measured=is_measured, is_fitted=is_fitted, is_averaged=is_averaged
+    )
     if density is not None:
         refuse_in_a_crowd(
             {
                 "--selection measured": is_measured,
-                "--prior fitted": prior is PriorName.FITTED,
+                "--prior fitted": is_fitted,
                 "--no-rings": not rings,
                 "--position-error-arcsec": position_error_arcsec > 0,
                 "--facet cell-average": is_averaged,
+                "--wraps": wraps is not None,
             }
         )
     centre = PhaseCentre(0.0, math.radians(declination_deg))
@@ -214,7 +190,7 @@ def bias(
     with progress_bar("calibrating") as progress:
         if density is not None:
             options = MeasurementOptions(threads=survey.threads)
-            method = field_estimator_of(estimator)
+            method = field_estimator_of(estimator, seed)
             (biases,) = calibrate_crowded(
                 survey.crowd(galaxies, density), [method], options, progress
             )
@@ -238,7 +214,7 @@ def bias(
         "legacy_shear": legacy_shear,
         "profile": profile.value,
         "prior": prior.value,
-        "wraps": wraps.value if estimator is CalibratedName.METACAL else None,
+        "wraps": (wraps or WrappedName.MEAN).value if estimator is CalibratedName.METACAL else None,
         "facet": facet.value,
         "density": density,
         "snr_min": snr_min,
@@ -259,13 +235,6 @@ def shears_of(modulus: float, orientations: int) -> tuple[complex, ...]:
     return tuple(cmath.rect(modulus, angle) for angle in angles) if modulus else (0j,)
 
 
-def refuse_in_a_crowd(given: Mapping[str, bool]) -> None:
-    """Refuse options that are for galaxies alone in the beam."""
-    for name, is_given in given.items():
-        if is_given:
-            raise InputError(f"{name}: is for galaxies alone in the beam; leave out --density")
-
-
 def describe(one: "Bias") -> str:
     """One line for the terminal."""
     parts = [
@@ -276,50 +245,3 @@ def describe(one: "Bias") -> str:
     ]
     failures = f", {one.failed} measurements failed" if one.failed else ""
     return f"{one.name}: {', '.join(parts)} ({one.n} galaxies{failures})"
-
-
-def estimator_of(
-    name: CalibratedName,
-    wraps: WrappedName,
-    prior: PriorName,
-    position_sigma: float,
-    snr_min: float | None,
-) -> "Estimator":
-    """Return the estimator of a name; with an ``snr_min``, of galaxies whose fitted SNR is no less."""
-    from uvshear.calibration.estimators import (
-        BayesianEstimator,
-        MeanEstimator,
-        MetacalEstimator,
-        MomentEstimator,
-        SelectedEstimator,
-    )
-
-    kinds: dict[str, Callable[[], Estimator]] = {
-        CalibratedName.MEAN: MeanEstimator,
-        CalibratedName.MOMENTS: lambda: MomentEstimator(position_sigma),
-        CalibratedName.BAYESIAN: lambda: BayesianEstimator(is_learning=prior is PriorName.FITTED),
-    }
-    is_wrapped = name is CalibratedName.METACAL
-    one = kinds[wraps.value if is_wrapped else name.value]()
-    if snr_min is not None:
-        one = SelectedEstimator(one, snr_min)
-    # Outside: the cut sees sheared data too, and how it responds is part of the response.
-    return MetacalEstimator(one) if is_wrapped else one
-
-
-def field_estimator_of(name: CalibratedName) -> "FieldEstimator":
-    """Return the estimator of a name for galaxies of a field."""
-    from uvshear.calibration.crowded import (
-        FieldBayesian,
-        FieldMean,
-        FieldMetacal,
-        FieldMoments,
-    )
-
-    kinds: dict[CalibratedName, type[FieldEstimator]] = {
-        CalibratedName.MEAN: FieldMean,
-        CalibratedName.MOMENTS: FieldMoments,
-        CalibratedName.BAYESIAN: FieldBayesian,
-        CalibratedName.METACAL: FieldMetacal,
-    }
-    return kinds[name]()

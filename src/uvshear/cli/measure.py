@@ -34,6 +34,10 @@ if TYPE_CHECKING:
 EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits -o SHAPES.fits"
 
 
+RELEASED = 0.5
+"""Move of a released sky, over the noise, above which the user is warned."""
+
+
 class ExtractionName(StrEnum):
     """How sources are told apart."""
 
@@ -287,6 +291,12 @@ def tell_convergence(record: "Mapping[str, object]") -> None:
         warn(
             f"the sky has not settled: {left:.2g} of the noise is above {tolerance:g};"
             " overlapping galaxies are to be taken with care"
+        )
+    released = record.get("released")
+    if isinstance(released, list) and released[-1] > RELEASED:
+        warn(
+            f"the sky without priors, which what is kept is of, still moved by {released[-1]:.2g} of the noise (rms):"
+            " take shears from it with care"
         )
 
 

@@ -8,10 +8,9 @@ import numpy as np
 
 from uvshear.fit.condensed import Condensation, CondensedCorrelator
 from uvshear.fit.correlator import Correlator
-from uvshear.fit.maximum import maximise_likelihood, search_radius
+from uvshear.fit.maximum import maximise_likelihood
 from uvshear.fit.measurement import FitFlag
-from uvshear.fit.position import PositionQuadrature
-from uvshear.fit.posterior import PosteriorSamples, Steps, sample_about
+from uvshear.fit.posterior import PosteriorSamples, Steps, quadrature, sample_about
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import FLOAT32_SNR, is_determined, judge
 from uvshear.galaxy import EllipticityPrior, Profile
@@ -85,8 +84,8 @@ def sample_likelihood(
         if condensation is not None and best.snr < CONDENSED_SNR
         else correlator
     )
-    position = PositionQuadrature.about(condensed, best, search_radius(correlator, expected))
-    samples = sample_about(best, position, expected, steps=STEPS)
+    position, others = quadrature(correlator, condensed, expected, best)
+    samples = sample_about(best, position, expected, others, steps=STEPS)
     if not samples.is_covered or not np.all(np.isfinite(samples.probability)):
         return None
     given, unit = samples.given_shape, correlator.flux_unit

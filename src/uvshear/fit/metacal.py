@@ -17,14 +17,17 @@ from uvshear.imaging.points import visibilities_at
 from uvshear.interferometer.facet import Facet
 from uvshear.typing import Array, Complex, Float
 
-SCALE = 20e3
-"""s [wavelengths]."""
+WIDEST = 20e3
+"""s [wavelengths], where baselines are long enough."""
 
 REACH = 3.2
 """Longest baseline of the round beam, over s."""
 
 STEP = 0.02
 """Shear that is put on, to either side: what is left of the third order is 4e-4 of the response."""
+
+_FAINTEST = 1e-2
+"""Of a cell's mean power: what has less counts as beyond the longest baseline."""
 
 _FEW = 16
 """Every so many cells are looked at for the noise."""
@@ -38,6 +41,12 @@ class ShearedFacets:
     moved: tuple[tuple[Facet, Facet], tuple[Facet, Facet]]
 
 
+def scale_of(uv: Float[Array, "cell 2"], power: Float[Array, " cell"]) -> float:
+    """Width s of the round beam [wavelengths]: no wider than what was measured."""
+    longest = np.hypot(*uv[power > _FAINTEST * np.mean(power)].T).max()
+    return min(WIDEST, float(longest) / (REACH * (1 + STEP)))
+
+
 class Metacalibration:
     """Facets behind a round beam, from those of one set of cells and one beam."""
 
@@ -46,11 +55,15 @@ class Metacalibration:
         uv: Float[Array, "cell 2"],
         power: Float[Array, " cell"],
         width: float,
+        scale: float,
         target: Float[Array, "target 2"],
         multiplicity: Float[Array, " target"],
     ) -> None:
-        """For facets ``width`` wide [rad]; ``target`` are the round beam's cells [wavelengths], counted so often."""
-        longest = REACH * SCALE * (1 + STEP)
+        """For facets ``width`` wide [rad], and a round beam of ``scale`` [wavelengths].
+
+        ``target`` are the round beam's cells [wavelengths], counted so often.
+        """
+        longest = REACH * scale * (1 + STEP)
         self._cells = np.flatnonzero(np.hypot(*uv.T) <= longest)
         near, self._power = uv[self._cells], np.abs(power[self._cells])
         self._disc, self._target = Disc(width, longest), target
@@ -58,7 +71,7 @@ class Metacalibration:
         self._even, self._odd = even.image(), odd.image()
         self._index = tuple(self._disc.size // 2 + self._disc.index.T)
         self._mirrored = tuple(self._disc.size // 2 - self._disc.index.T)
-        taper = multiplicity * np.exp(-np.sum(target**2, axis=-1) / (2 * SCALE**2))
+        taper = multiplicity * np.exp(-np.sum(target**2, axis=-1) / (2 * scale**2))
         few = slice(None, None, _FEW)
         noise = 2 * even.variance(np.cos(2 * math.pi * target[few] @ self._disc.places.T))
         # As much power as makes for the noise that there is, on average.

@@ -36,7 +36,6 @@ by that, which is exact for any size of the errors.
 """
 
 import math
-from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,7 +98,6 @@ class MomentFunctional:
                 f" {math.sqrt(MOST_SCATTER / 2) / math.pi / SCALE / ARCSEC:.2g}"
             )
         longest = REACH * SCALE / math.sqrt(1 - 2 * scatter)
-        self._longest = longest
         self._cells = np.flatnonzero(np.hypot(*uv.T) <= longest)
         near, power = uv[self._cells], power[self._cells]
         x, y = near.T / SCALE
@@ -113,12 +111,6 @@ class MomentFunctional:
         self._weights = even.weights(even.of_cells(targets))
         shown = self._weights[[0, 1, 6]]
         self._covariance = (shown * np.abs(power)) @ shown.T
-
-    def on(self, uv: Float[Array, "cell 2"]) -> "MomentFunctional":
-        """Return the same for another facet, whose cells differ in no more than what long baselines it has."""
-        other = copy(self)
-        other._cells = np.flatnonzero(np.hypot(*uv.T) <= self._longest)
-        return other
 
     def measure(self, correlation: Complex[Array, " cell"]) -> Moments:
         """Moments of one facet's data about its centre."""

@@ -43,7 +43,7 @@ class MarginalLikelihood:
     flux_variance: Float[Array, " sample"]
     norm: Float[Array, " sample"]
     offset: Float[Array, "sample 2"]
-    offset_covariance: Float[Array, "sample 2 2"]
+    offset_variance: Float[Array, "sample 2"]
 
 
 class PositionQuadrature:
@@ -79,7 +79,7 @@ class PositionQuadrature:
         return cls(correlator, nodes[allowed], log_weights[allowed])
 
     @classmethod
-    def over(cls, correlator: Correlator, likely: Likely) -> Self:
+    def over(cls, correlator: Correlator | CondensedCorrelator, likely: Likely) -> Self:
         """Hexagonal lattice over all likely positions."""
         reach = 0.6 * likely.spacing
         furthest = float(np.hypot(*likely.positions.T).max()) + reach
@@ -107,14 +107,13 @@ class PositionQuadrature:
         flux, variance = flux / np.sqrt(norm)[:, None], variance / norm[:, None]
         mean_flux = np.sum(share * flux, axis=1)
         offset = share @ self._nodes
-        away = self._nodes - offset[:, None, :]
         return MarginalLikelihood(
             log_likelihood=np.where(reached, highest + np.log(total) - 0.5 * np.log(norm), -np.inf),
             flux=mean_flux,
             flux_variance=np.sum(share * (variance + (flux - mean_flux[:, None]) ** 2), axis=1),
             norm=norm,
             offset=offset,
-            offset_covariance=np.einsum("sn,sni,snj->sij", share, away, away),
+            offset_variance=share @ self._nodes**2 - offset**2,
         )
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uvshear.fit.condensed import CondensedCorrelator
 from uvshear.fit.correlator import Correlator
 from uvshear.fit.likely import DEPTH, Likely
 from uvshear.fit.maximum import BestFit, search_radius, shape_covariance
@@ -78,13 +79,25 @@ def sample_posterior(
 
     The log likelihood counts by ``share``: the part of its information that is the galaxy's own.
     """
+    position, others = quadrature(correlator, correlator, prior, best)
+    return sample_about(best, position, prior, others, share=share)
+
+
+def quadrature(
+    correlator: Correlator,
+    sums: Correlator | CondensedCorrelator,
+    prior: ShapePrior,
+    best: BestFit,
+) -> tuple[PositionQuadrature, Float[Array, "start 3"] | None]:
+    """Nodes over the position for ``sums``, and shapes to start from besides the best fit: (e1, e2, ln alpha) in rows.
+
+    About the best fit of a bright galaxy, over all that is likely of a faint one.
+    """
     if best.snr >= FAINT:
-        position = PositionQuadrature.about(correlator, best, search_radius(correlator, prior))
-        return sample_about(best, position, prior, share=share)
+        return PositionQuadrature.about(sums, best, search_radius(correlator, prior)), None
     likely = Likely.of(correlator, prior, best)
     others = _coordinates(likely.ellipticity, likely.log_scale_length)
-    position = PositionQuadrature.over(correlator, likely)
-    return sample_about(best, position, prior, others, share=share)
+    return PositionQuadrature.over(sums, likely), others
 
 
 def sample_about(

@@ -128,7 +128,7 @@ def _summarise(
     flux, flux_variance = _moments(given.flux[:, None], p)
     offset, offset_covariance = _moments(given.offset + correlator.centre, p)
     flux_variance = flux_variance[0, 0] + p @ given.flux_variance
-    offset_variance = np.diag(offset_covariance + np.tensordot(p, given.offset_covariance, 1))
+    offset_variance = np.diag(offset_covariance) + p @ given.offset_variance
     return ShapeMeasurement(
         ellipticity=e,
         covariance=covariance,

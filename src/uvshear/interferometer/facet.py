@@ -1,6 +1,9 @@
 """What a fit needs of the visibilities around one direction."""
 
 from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
 
 from uvshear.typing import Array, Complex, Float
 
@@ -25,6 +28,26 @@ class Facet:
     uv: Float[Array, "cell 2"]
     correlation: Complex[Array, " cell"]
     power: Float[Array, " cell"]
+
+    def within(self, longest: float) -> Self:
+        """Return the cells no further from the origin than ``longest`` [wavelengths]."""
+        near = np.hypot(*self.uv.T) <= longest
+        return type(self)(self.uv[near], self.correlation[near], self.power[near])
+
+    def in_other_unit(self, unit: float) -> Self:
+        """Return the same with fluxes in units of ``unit`` of the present ones."""
+        return type(self)(self.uv, self.correlation * unit, self.power * unit**2)
+
+    def beam_shape(self) -> tuple[float, tuple[float, ...]]:
+        """Sum of the power, and second moments that tell its shape: facets of one beam and cells share them.
+
+        The shape does not know the unit of the flux, the sum goes with its square.
+        """
+        power = np.abs(self.power).astype(float)
+        total = float(power.sum())
+        u, v = self.uv.T / max(float(np.abs(self.uv).max(initial=0.0)), 1.0)
+        moments = np.stack([u * u, v * v, u * v]) @ power / max(total, np.finfo(float).tiny)
+        return total, tuple(np.round(moments, 6).tolist())
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,9 @@ from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
 from uvshear.shear.calibration import Calibration, Component, Pair
 
+_AS_MEASURED = {"wraps": "mean", "facet": "exact", "legacy_shear": False}
+"""What a bias has in common with every table of shapes."""
+
 
 def read_calibration(path: Path) -> Calibration:
     """Read m and c of an estimator."""
@@ -29,6 +32,11 @@ def read_calibration(path: Path) -> Calibration:
         raise InputError(f"{path}: is of galaxies of no more than {most} uJy; a shear has all")
     flux_min = float(record.get("flux_min_ujy") or 0.0) * MICROJANSKY
     estimator = str(record.get("estimator", ""))
+    for name, usual in _AS_MEASURED.items():
+        if (its := record.get(name, usual)) not in (usual, None):
+            raise InputError(
+                f"{path}: is of {name.replace('_', ' ')} {its}, which no shear of measured shapes has"
+            )
     return Calibration(
         _pair(path, record), bins, estimator, _number(path, record, "snr_min"), flux_min
     )

@@ -43,7 +43,7 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.baselines import Baselines
 from uvshear.measurement.extraction import Extracted, Extraction, Progress
 from uvshear.measurement.field import Field
-from uvshear.measurement.keep import Kept
+from uvshear.measurement.keep import Kept, SourceName
 from uvshear.measurement.meter import Meter
 from uvshear.measurement.natural_snr import with_natural_snr
 from uvshear.measurement.settlement import Settlement
@@ -198,11 +198,12 @@ class _Run:
             for k, (source, fit) in enumerate(zip(self._members, fits, strict=True))
         }
         sky = with_fitted(field.sky, field, found)
+        released: list[float] = []
         if options.keep:
-            settlement.release(method.tolerance / 2, options.threads, self._fitted)
+            released = settlement.release(method.tolerance / 2, options.threads, self._fitted)
             self._keep_statistics(settlement)
         self._meter.finish()
-        record = {
+        record: dict[str, object] = {
             "extraction": "converged",
             "visits": len(history),
             "shortest_baseline": round(self._baselines.shortest, 1),
@@ -213,6 +214,8 @@ class _Run:
             "left_undone_most": round(most_left, 4),
             "tolerance": method.tolerance,
         }
+        if released:
+            record["released"] = [round(rms, 4) for rms in released]
         used = self._baselines
         if used.shortest > 0 or options.uv_range.maximum < math.inf:
             profile = options.profile
@@ -341,12 +344,19 @@ class _Run:
             return
         ratio, prior = float(self._at_1_4_ghz[k]), self._sources[k].prior.measured
         # Populations know fluxes at 1.4 GHz, whatever those of the catalogue and of the facet are.
-        common = Facet(facet.uv, facet.correlation * ratio, facet.power * ratio**2)
+        common = facet.in_other_unit(ratio)
         numbers: dict[str, float | Array] = {}
         for statistic in self._options.keep:
-            numbers.update(statistic.of(common, cutout, prior, int(self._members[k])))
+            numbers.update(
+                statistic.of(common, cutout, prior, self._name_of(int(self._members[k])))
+            )
         if numbers:
             self._kept[int(self._members[k])] = numbers
+
+    def _name_of(self, source: int) -> SourceName:
+        centre, field = self._observation.phase_centre, self._field
+        angles = centre.ra, centre.dec, float(field.l[source]), float(field.m[source])
+        return tuple(round(angle / _NANORADIAN) % 2**32 for angle in angles)
 
     def _foresee(self, plan: VisitPlan, *, is_first: bool) -> None:
         """Tell the meter what is to come: rough visits and one of all baselines are taken for granted, more are not."""
@@ -373,6 +383,8 @@ class _Run:
         tiles = [tile for band in plan.tiles[plan.top :] for tile in band]
         return sum(work_of(samples, tile) for tile in tiles) + len(self._members) * _FIT
 
+
+_NANORADIAN = 1e-9
 
 _FIT = 4e6
 _POSTERIOR = 12e6

@@ -1,5 +1,6 @@
 """What is kept of every source beside its shape, for estimators of the shear that need more."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 
@@ -16,10 +17,14 @@ from uvshear.shear.bayesian import ShapeLikelihood
 from uvshear.shear.packing import PACKED, pack
 from uvshear.typing import Array
 
-_Key = tuple[int, float, float]
-
 Kept = Mapping[str, float | Array]
 """Of a source: a number or a one-dimensional array a column."""
+
+SourceName = tuple[int, ...]
+"""Numbers that tell a source from all others, of other fields too: from them comes what is drawn for it."""
+
+_LONGEST = 1.5 * REACH * SCALE
+"""Baselines that the weights of moments may reach [wavelengths], whatever the error of the position."""
 
 
 class Statistic(ABC):
@@ -28,8 +33,8 @@ class Statistic(ABC):
     columns: tuple[str, ...]
 
     @abstractmethod
-    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior, source: int) -> Kept:
-        """Work out the value of each column, for a source of this prior and number; nothing where there is none."""
+    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior, name: SourceName) -> Kept:
+        """Work out the value of each column, for a source of this prior; nothing where there is none."""
 
 
 class MomentStatistic(Statistic):
@@ -40,14 +45,29 @@ class MomentStatistic(Statistic):
     def __init__(self, position_sigma: float = 0.0) -> None:
         """``position_sigma`` is the error of the catalogue's position in l and in m [rad]."""
         self._position_sigma = position_sigma
-        self._functionals: dict[_Key, MomentFunctional] = {}
-        self._on_cells: dict[tuple[_Key, Cutout], MomentFunctional] = {}
+        self._known: dict[tuple[int, float, tuple[float, ...]], tuple[float, MomentFunctional]] = {}
 
     def of(
-        self, facet: Facet, cutout: Cutout, prior: ShapePrior, source: int
+        self, facet: Facet, cutout: Cutout, prior: ShapePrior, name: SourceName
     ) -> Mapping[str, float]:
         """Measure them; no prior has a part in it."""
-        moments = self._functional(facet, cutout).measure(facet.correlation)
+        # Sources of one size and one beam share its power, all but for long baselines that moments do not take.
+        longest = min(cutout.longest, _LONGEST)
+        facet = facet.within(longest)
+        total, shape = facet.beam_shape()
+        key = cutout.size, longest, shape
+        if key not in self._known:
+            width = cutout.size * cutout.pixel
+            power = np.asarray(facet.power, float)
+            self._known[key] = (
+                total,
+                MomentFunctional(facet.uv, power, width, self._position_sigma),
+            )
+        known_total, functional = self._known[key]
+        # Weights are those of a facet whose unit of flux may be another.
+        unit = math.sqrt(total / known_total) if known_total > 0 else 1.0
+        moments = functional.measure(facet.correlation / unit**2)
+        covariance = moments.covariance / unit**2
         return {
             "m1": float(moments.shape[0]),
             "m2": float(moments.shape[1]),
@@ -56,23 +76,10 @@ class MomentStatistic(Statistic):
             "r12": float(moments.response[0, 1]),
             "r22": float(moments.response[1, 1]),
             "r_third": moments.third,
-            "m1_var": float(moments.covariance[0, 0]),
-            "m2_var": float(moments.covariance[1, 1]),
-            "m12_cov": float(moments.covariance[0, 1]),
+            "m1_var": float(covariance[0, 0]),
+            "m2_var": float(covariance[1, 1]),
+            "m12_cov": float(covariance[0, 1]),
         }
-
-    def _functional(self, facet: Facet, cutout: Cutout) -> MomentFunctional:
-        # Sources of one size and one beam share its power, all but for long baselines that moments do not take.
-        longest = min(cutout.longest, 1.5 * REACH * SCALE)
-        key = cutout.size, longest, float(facet.power[0])
-        if key not in self._functionals:
-            width = cutout.size * cutout.pixel
-            self._functionals[key] = MomentFunctional(
-                facet.uv, np.asarray(facet.power, float), width, self._position_sigma
-            )
-        if (key, cutout) not in self._on_cells:
-            self._on_cells[key, cutout] = self._functionals[key].on(facet.uv)
-        return self._on_cells[key, cutout]
 
 
 class LikelihoodStatistic(Statistic):
@@ -88,7 +95,7 @@ class LikelihoodStatistic(Statistic):
         self._population = population or DiscEllipticityPrior()
         self._condenser = Condenser(self._profile)
 
-    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior, source: int) -> Kept:
+    def of(self, facet: Facet, cutout: Cutout, prior: ShapePrior, name: SourceName) -> Kept:
         """Sample it, and pack it into a few kilobytes."""
         likelihood = self.likelihood(facet, cutout, prior)
         return {} if likelihood is None else pack(likelihood)

@@ -129,12 +129,13 @@ class Settlement:
                 active[neighbours] = True
         return rounds
 
-    def release(self, tolerance: float, threads: int, tick: Tick) -> None:
+    def release(self, tolerance: float, threads: int, tick: Tick) -> list[float]:
         """Settle once more with next to no prior on the ellipticities of the sky.
 
         A prior holds a faint galaxy back, towards a circle, and all its neighbours, near and far, take a little of
         what it lacks: of its shape, and so of the shear. Without the prior the sky settles by about half a time: a
-        few times are followed by what the others would add, as far as their moves tell.
+        few times are followed by what the others would add, as far as their moves tell. Returned is by how much of
+        the noise (rms) the sky moved each time.
         """
         self._sources = [source.released() for source in self._sources]
         moves = []
@@ -143,10 +144,12 @@ class Settlement:
             self.settle(tolerance, threads, afresh=False, tick=tick)
             moves.append(_rms(self._moved_since(before)))
         first, second = moves[-2:]
-        ahead = min(second / max(first - second, 1e-300), FARTHEST_AHEAD)
+        # Moves that do not shrink tell of no end.
+        ahead = min(second / (first - second), FARTHEST_AHEAD) if second < first else 0.0
         pairs = zip(self._sources, before, self.fits, strict=True)
         after = [_ahead(source, then, now, ahead) for source, then, now in pairs]
         self._change(list(range(len(after))), after, threads)
+        return moves
 
     def _sweep(
         self, active: Bool[Array, " source"], threads: int, *, afresh: bool, tick: Tick

@@ -1,0 +1,129 @@
+"""What ``uvshear bias`` can calibrate, which options go together, and the estimators of their names."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+from collections.abc import Callable, Mapping
+from enum import StrEnum
+from typing import TYPE_CHECKING
+
+from uvshear.cli.priors import PriorName
+from uvshear.errors import InputError
+
+if TYPE_CHECKING:
+    from uvshear.calibration.crowded import FieldEstimator
+    from uvshear.calibration.estimators import Estimator
+
+
+class CalibratedName(StrEnum):
+    """An estimator of the shear of isolated galaxies."""
+
+    MEAN = "mean"
+    MOMENTS = "moments"
+    BAYESIAN = "bayesian"
+    METACAL = "metacal"
+
+
+class WrappedName(StrEnum):
+    """An estimator that metacalibration wraps."""
+
+    MEAN = "mean"
+    MOMENTS = "moments"
+    BAYESIAN = "bayesian"
+
+
+class FacetName(StrEnum):
+    """How visibilities become facets."""
+
+    EXACT = "exact"
+    CELL_AVERAGE = "cell-average"
+
+
+class SelectionName(StrEnum):
+    """What a cut by the signal-to-noise ratio looks at."""
+
+    CATALOGUE = "catalogue"
+    MEASURED = "measured"
+
+
+def refuse_shear(shear: float, *, is_averaged: bool) -> None:
+    """Refuse a shear that is none, and none at all where cells are not those of a turned sky."""
+    if shear >= 1:
+        raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
+    if is_averaged and shear == 0:
+        raise InputError("--facet cell-average --shear 0: its cells do not turn; give a shear")
+
+
+def refuse_estimator(
+    estimator: CalibratedName,
+    wraps: WrappedName | None,
+    *,
+    is_measured: bool,
+    is_fitted: bool,
+    is_averaged: bool,
+) -> None:
+    """Refuse options that the estimator would not heed."""
+    is_metacal = estimator is CalibratedName.METACAL
+    if wraps is not None and not is_metacal:
+        raise InputError(f"--wraps {wraps.value}: is for --estimator metacal")
+    if is_metacal and is_measured:
+        raise InputError(
+            "--estimator metacal --selection measured: the SNR behind its round beam is another than that of"
+            " the shapes; --selection catalogue is needed"
+        )
+    named = (wraps or WrappedName.MEAN).value if is_metacal else estimator.value
+    if is_fitted and named != CalibratedName.BAYESIAN.value:
+        raise InputError(f"--prior fitted: {named} has no prior; bayesian has")
+    if is_averaged and estimator is not CalibratedName.MEAN:
+        raise InputError(f"--facet cell-average: is for the paper's mean, not {estimator.value}")
+
+
+def refuse_in_a_crowd(given: Mapping[str, bool]) -> None:
+    """Refuse options that are for galaxies alone in the beam."""
+    for name, is_given in given.items():
+        if is_given:
+            raise InputError(f"{name}: is for galaxies alone in the beam; leave out --density")
+
+
+def estimator_of(
+    name: CalibratedName,
+    wraps: WrappedName | None,
+    prior: PriorName,
+    position_sigma: float,
+    snr_min: float | None,
+) -> "Estimator":
+    """Return the estimator of a name; with an ``snr_min``, of galaxies whose fitted SNR is no less."""
+    from uvshear.calibration.estimators import (
+        BayesianEstimator,
+        MeanEstimator,
+        MetacalEstimator,
+        MomentEstimator,
+        SelectedEstimator,
+    )
+
+    kinds: dict[str, Callable[[], Estimator]] = {
+        CalibratedName.MEAN: MeanEstimator,
+        CalibratedName.MOMENTS: lambda: MomentEstimator(position_sigma),
+        CalibratedName.BAYESIAN: lambda: BayesianEstimator(is_learning=prior is PriorName.FITTED),
+    }
+    is_wrapped = name is CalibratedName.METACAL
+    if is_wrapped:
+        return MetacalEstimator(kinds[(wraps or WrappedName.MEAN).value]())
+    one = kinds[name.value]()
+    return one if snr_min is None else SelectedEstimator(one, snr_min)
+
+
+def field_estimator_of(name: CalibratedName, seed: int) -> "FieldEstimator":
+    """Return the estimator of a name for galaxies of a field."""
+    from uvshear.calibration.crowded import (
+        FieldBayesian,
+        FieldMean,
+        FieldMetacal,
+        FieldMoments,
+    )
+
+    kinds: dict[CalibratedName, Callable[[], FieldEstimator]] = {
+        CalibratedName.MEAN: FieldMean,
+        CalibratedName.MOMENTS: FieldMoments,
+        CalibratedName.BAYESIAN: FieldBayesian,
+        CalibratedName.METACAL: lambda: FieldMetacal(seed),
+    }
+    return kinds[name]()
