@@ -7,7 +7,7 @@ import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.interferometer.visibilities import Visibilities
-from uvshear.typing import Array, Bool, Complex, Float, Shaped
+from uvshear.typing import Array, Bool, Complex, Float, Int, Shaped
 
 
 @dataclass(frozen=True)
@@ -24,12 +24,21 @@ class Samples:
         1/sigma^2 [Jy^-2].
     frequency
         [Hz].
+    bandwidth
+        Width of the channel [Hz]; 0 where it is not known.
+    interval
+        Length of the integration [s]; 0 where it is not known.
+    antennas
+        Numbers of ANTENNA1 and ANTENNA2; -1 where they are not known.
     """
 
     uvw: Float[Array, "sample 3"]
     stokes_i: Complex[Array, " sample"]
     weights: Float[Array, " sample"]
     frequency: Float[Array, " sample"]
+    bandwidth: Float[Array, " sample"]
+    interval: Float[Array, " sample"]
+    antennas: Int[Array, "sample 2"]
 
     def __len__(self) -> int:
         return len(self.uvw)
@@ -41,11 +50,20 @@ class Samples:
         kept = (visibilities.weights > 0) & (distance >= shortest) & (distance < longest)
         row, chan = np.nonzero(kept)
         frequency = visibilities.frequency[chan]
+        width, taken = visibilities.width, visibilities.integrations
+        nothing = np.zeros(len(row), np.float32)
         return cls(
             uvw=visibilities.uvw[row] * (frequency / SPEED_OF_LIGHT)[:, None],
             stokes_i=visibilities.stokes_i[row, chan].astype(np.complex64, copy=False),
             weights=visibilities.weights[row, chan].astype(np.float32, copy=False),
             frequency=frequency.astype(float, copy=False),
+            bandwidth=nothing if width is None else width[chan].astype(np.float32),
+            interval=nothing if taken is None else taken.interval[row].astype(np.float32),
+            antennas=(
+                np.full((len(row), 2), -1, np.int16)
+                if taken is None
+                else taken.antennas[row].astype(np.int16)
+            ),
         )
 
     @classmethod
@@ -61,7 +79,7 @@ class Samples:
     def select(self, chosen: Bool[Array, " sample"] | Shaped[Array, " chosen"] | slice) -> Self:
         """Return the samples chosen (any one-dimensional numpy index)."""
         return type(self)(
-            self.uvw[chosen], self.stokes_i[chosen], self.weights[chosen], self.frequency[chosen]
+            *(getattr(self, name)[chosen] for name in type(self).__dataclass_fields__)
         )
 
     @property

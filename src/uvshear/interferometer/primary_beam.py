@@ -1,0 +1,96 @@
+r"""Primary beams: how much less a dish sees of a source away from where it points.
+
+A visibility has the product of the two antennas' voltage beams in it, which for equal dishes is the power beam.
+"""
+
+import math
+from abc import abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import j1
+
+from uvshear.constants import SPEED_OF_LIGHT
+from uvshear.geometry.directions import n_minus_one
+from uvshear.interferometer.attenuation import Attenuation
+from uvshear.interferometer.samples import Samples
+from uvshear.typing import Array, Float
+
+MEERKAT_WIDTH = math.radians(57.5 / 60) * 1.5e9
+"""Full width at half maximum of a MeerKAT dish's power beam, times the frequency [rad Hz]."""
+
+_UNIFORM_WIDTH = 1.028993969962188
+"""The same of a uniformly lit disc, over wavelength/diameter: (2 J1(x)/x)^2 is a half at x = 1.616."""
+
+_COSINE_WIDTH = 1.18896
+"""Argument of the cosine taper's beam, in full widths at half maximum."""
+
+
+@dataclass(frozen=True)
+class PrimaryBeam(Attenuation):
+    """Beams of dishes that all point to the phase centre; one width an antenna.
+
+    Parameters
+    ----------
+    width
+        Full width at half maximum of each antenna's power beam, times the frequency [rad Hz].
+    """
+
+    width: Float[Array, " antenna"]
+
+    @abstractmethod
+    def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
+        """Voltage beam at a distance from the axis, in full widths at half maximum of the power beam."""
+
+    def of(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
+        """Product of both antennas' voltage beams."""
+        n1 = float(n_minus_one(np.array([l]), np.array([m]))[0])
+        distance = math.atan2(math.hypot(l, m), 1 + n1)
+        place = distance * samples.frequency
+        first, second = samples.antennas.T
+        kinds = np.unique(self.width)
+        if len(kinds) == 1:
+            return self.voltage(place / kinds[0]) ** 2
+        return self.voltage(place / self.width[first]) * self.voltage(place / self.width[second])
+
+
+@dataclass(frozen=True)
+class AiryBeam(PrimaryBeam):
+    """Of uniformly lit discs."""
+
+    @classmethod
+    def of_diameters(cls, diameter: Float[Array, " antenna"]) -> "AiryBeam":
+        """Dishes of these diameters [m]."""
+        return cls(_UNIFORM_WIDTH * SPEED_OF_LIGHT / diameter)
+
+    def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
+        """2 J1(y)/y, y = pi D/lambda times the distance."""
+        y = np.maximum(math.pi * _UNIFORM_WIDTH * np.abs(x), 1e-8)
+        return 2 * j1(y) / y
+
+
+@dataclass(frozen=True)
+class CosineCubedBeam(PrimaryBeam):
+    """Power beam cos^3, zero from its first zero on; a customary fit to the main lobe of lit-down dishes."""
+
+    def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
+        """cos^(3/2), 1/sqrt 2 at half the width."""
+        half = 2 * math.acos(0.5 ** (1 / 3))
+        return np.maximum(np.cos(np.minimum(half * np.abs(x), math.pi / 2)), 0.0) ** 1.5
+
+
+@dataclass(frozen=True)
+class CosineTaperBeam(PrimaryBeam):
+    """Of dishes lit by a cosine-squared taper: MeerKAT's, in Stokes I (Mauch et al. 2020, ApJ 888, 61)."""
+
+    @classmethod
+    def of_meerkat(cls, antennas: int) -> "CosineTaperBeam":
+        """So many of its dishes: 57.5 arcmin at 1.5 GHz."""
+        return cls(np.full(antennas, MEERKAT_WIDTH))
+
+    def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
+        """cos(1.189 pi x)/(1 - 4 (1.189 x)^2)."""
+        y = _COSINE_WIDTH * np.asarray(x, float)
+        near = np.abs(np.abs(y) - 0.5) < 1e-6
+        safe = np.where(near, 0.0, y)
+        return np.where(near, math.pi / 4, np.cos(math.pi * safe) / (1 - 4 * safe**2))
