@@ -1,6 +1,8 @@
 """Visibilities of galaxies by the exact direct sum over sources."""
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 
@@ -9,6 +11,7 @@ from uvshear.galaxy import Exponential, Galaxies, Profile
 from uvshear.geometry.directions import n_minus_one
 from uvshear.geometry.ellipticity import quadratic_form
 from uvshear.predict import kernels
+from uvshear.predict.losses import Losses
 from uvshear.typing import Array, Complex, Float
 
 SLAB = 32768
@@ -22,6 +25,7 @@ def predict_visibilities(
     frequency: Float[Array, " chan"],
     profile: Profile | None = None,
     threads: int = 1,
+    losses: Losses | None = None,
 ) -> Complex[Array, "row chan"]:
     r"""Visibilities of all galaxies together [Jy].
 
@@ -44,6 +48,8 @@ def predict_visibilities(
         Brightness profile of all of them; exponential unless given.
     threads
         Slabs worked on side by side.
+    losses
+        By averaging and primary beams, those of each galaxy's centre; none unless given.
 
     References
     ----------
@@ -57,7 +63,11 @@ def predict_visibilities(
         rows = slice(start, start + SLAB)
         block = np.ascontiguousarray(uvw[rows].T, float)
         for chan in range(len(frequency)):
-            vis[rows, chan] = _predict_slab(sky, block, chan, profile)
+            factor = None
+            if losses is not None:
+                samples = losses.samples(uvw, frequency, rows, chan)
+                factor = partial(losses.attenuation.of, samples)
+            vis[rows, chan] = _predict_slab(sky, block, chan, profile, factor)
 
     with ThreadPoolExecutor(max(threads, 1)) as pool:
         list(pool.map(fill, range(0, len(uvw), SLAB)))
@@ -79,7 +89,11 @@ class _Sky:
 
 
 def _predict_slab(
-    sky: _Sky, uvw: Float[Array, "3 row"], chan: int, profile: Profile
+    sky: _Sky,
+    uvw: Float[Array, "3 row"],
+    chan: int,
+    profile: Profile,
+    factor: Callable[[float, float], Float[Array, " row"]] | None,
 ) -> Complex[Array, " row"]:
     real, imaginary, q = np.zeros((3, uvw.shape[1]))
     per_metre = sky.per_metre[chan]
@@ -87,6 +101,9 @@ def _predict_slab(
         slope_l, slope_m = sky.slopes[source]
         kernels.profile_argument(uvw, per_metre, slope_l, slope_m, sky.forms[source], q)
         envelope = profile.envelope(q)
+        if factor is not None:
+            l, m, _ = sky.lmn1[source].tolist()
+            envelope = envelope * factor(l, m)
         flux = sky.flux[source, chan]
         kernels.add_source(uvw, per_metre, sky.lmn1[source], flux, envelope, real, imaginary)
     return real + 1j * imaginary

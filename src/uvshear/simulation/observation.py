@@ -9,12 +9,14 @@ import numpy as np
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.profile import Profile
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.noise import Noise
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import stokes_i
 from uvshear.interferometer.visibilities import Integrations, Visibilities
 from uvshear.predict import predict_visibilities
+from uvshear.predict.losses import Losses
 from uvshear.typing import Array, Complex, Float
 
 SAMPLES_PER_SLAB: Final = 2**18
@@ -67,6 +69,8 @@ class SimulatedObservation:
         no noise, and keeps the weights that it would have had.
     threads
         For :meth:`chunks`, which simulates anew at each reading.
+    attenuation
+        By averaging over channels and integrations, and by primary beams; none unless given.
     """
 
     coverage: Coverage
@@ -76,6 +80,7 @@ class SimulatedObservation:
     noise: Noise
     seed: int | None
     threads: int = 1
+    attenuation: Attenuation | None = None
 
     @property
     def phase_centre(self) -> PhaseCentre:
@@ -92,8 +97,12 @@ class SimulatedObservation:
         rows_per_block = SLABS_PER_BLOCK * self.rows_per_slab
         for first_row in range(0, len(self.coverage), rows_per_block):
             coverage = self.coverage.rows(slice(first_row, first_row + rows_per_block))
+            rows = slice(first_row, first_row + len(coverage))
+            losses = None
+            if self.attenuation is not None:
+                losses = Losses(self.attenuation, self.channels.width, self._integrations(rows))
             sky = predict_visibilities(
-                self.galaxies, coverage.uvw, self.channels.frequency, self.profile, threads
+                self.galaxies, coverage.uvw, self.channels.frequency, self.profile, threads, losses
             )
             sigma = self.noise.correlation_sigma(coverage, self.channels).astype(np.float32)
             correlations = np.repeat(sky.astype(np.complex64)[..., None], 2, axis=2)
