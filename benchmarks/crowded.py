@@ -34,7 +34,7 @@ from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.measurement import ConvergedExtraction, MeasurementOptions, PaperExtraction
-from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.predict.response import Response
 from uvshear.shear.slope import fit_slope
 
 BRIGHT = 25 * MICROJANSKY
@@ -98,18 +98,18 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, threads: int) -> Table:
     )
     nothing = replace(galaxies, flux=np.zeros(len(galaxies)))
     gridding = Gridding(threads=threads)
-    band = survey.FREQUENCY[0], survey.FREQUENCY[0]
-    empty = SpectralExpansion.of(nothing, *band)
-    spectrum = SpectralExpansion.of(galaxies, *band)
-    beams = gather_beams(noise, lm, (0.0, float(uv_max.max())), plan.pixel, spectrum, gridding)
+    response = Response.of(galaxies)
+    beams = gather_beams(noise, lm, (0.0, float(uv_max.max())), plan.pixel, response, gridding)
     half = np.full(len(galaxies), 20 * ARCSEC)
-    residuals = gather_residuals(noise, plan, ModelledSky(nothing, half, empty, profile), gridding)
+    residuals = gather_residuals(
+        noise, plan, ModelledSky(nothing, half, response, profile), gridding
+    )
 
     def measure(k: int):
         cutout = plan.cutouts[k]
         power = beams.power(k, cutout)
         true = GalaxyFit(
-            flux=float(spectrum.fluxes[0, k]),
+            flux=float(galaxies.flux[k]),
             offset=np.zeros(2),
             ellipticity=complex(galaxies.ellipticity[k]),
             scale_length=float(galaxies.scale_length[k]),

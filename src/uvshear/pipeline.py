@@ -25,7 +25,6 @@ from uvshear.galaxy import (
     Profile,
 )
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.coverage import synthesise
 from uvshear.interferometer.extent import Extent, measure_extent
 from uvshear.interferometer.noise import Noise
@@ -60,7 +59,6 @@ def simulate(
     profile: Profile | None = None,
     seed: int | None = 1,
     threads: int = 1,
-    attenuation: Attenuation | None = None,
 ) -> SimulatedObservation:
     """Let an array observe the galaxies of a catalogue.
 
@@ -77,8 +75,6 @@ def simulate(
         ``shear_at_fixed_scale_length``.
     seed
         Of the noise; None adds none and keeps the weights.
-    attenuation
-        What averaging and the dishes leave of each galaxy (``interferometer.attenuation``, ``primary_beam``).
     """
     profile = profile or Exponential()
     sources = catalogue_from_table(catalogue) if isinstance(catalogue, Table) else catalogue
@@ -95,7 +91,8 @@ def simulate(
         noise=noise,
         seed=seed,
         threads=threads,
-        attenuation=attenuation,
+        is_averaged=plan.is_averaged,
+        primary_beam=plan.primary_beam,
     )
 
 

@@ -24,19 +24,19 @@ from uvshear.extraction.beams import (
 from uvshear.extraction.exact import ExactFacets
 from uvshear.extraction.plan import Wanted, plan_visit
 from uvshear.interferometer.visibilities import VisibilitySet
-from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.predict.response import Response
 
 LM = np.column_stack([SKY.l, SKY.m])
 
 
 def _gather(one, sky=SKY, **gridding):
-    spectrum = one.modelled(sky).spectrum
+    response = one.modelled(sky).response
     return gather_beams(
         one.observation,
         LM,
         (0.0, LONGEST),
         one.plan.pixel,
-        spectrum,
+        response,
         replace(GRIDDING, **gridding),
     )
 
@@ -94,10 +94,10 @@ def test_norms_are_those_of_exact_facets():
     longest = seen.target.informative_uv_max
     wanted = Wanted(galaxy.l, galaxy.m, np.full(1, 4e-4), np.full(1, longest))
     plan = plan_visit(wanted, 0.0, longest)
-    spectrum = SpectralExpansion.of(galaxy, 1.4e9, 1.4e9)
+    response = Response.of(galaxy)
     lm = np.column_stack([galaxy.l, galaxy.m])
     observation = VisibilitySet(vla("b")[1], (seen.seen,))
-    beams = gather_beams(observation, lm, (0.0, longest), plan.pixel, spectrum, GRIDDING)
+    beams = gather_beams(observation, lm, (0.0, longest), plan.pixel, response, GRIDDING)
     norms = []
     for uv, power in (
         (exact.uv, exact.power),

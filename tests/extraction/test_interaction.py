@@ -23,7 +23,7 @@ from uvshear.imaging.bands import Band
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
 from uvshear.predict.rendering import smooth_step
-from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.predict.response import Response
 
 SKY = galaxies(
     np.array([0, 30, -110, 300, 700.0]) * ARCSEC + 0.003,
@@ -63,15 +63,14 @@ class Field:
             lm,
             (0.0, LONGEST),
             self.plan.pixel,
-            SpectralExpansion.of(SKY, 1.4e9, 1.4e9),
+            Response.of(SKY),
             GRIDDING,
         )
         object.__setattr__(self, "beams", beams)
         object.__setattr__(self, "before", self.residuals(SKY))
 
     def residuals(self, sky):
-        spectrum = SpectralExpansion.of(sky, 1.4e9, 1.4e9)
-        model = ModelledSky(sky, np.full(5, 120 * ARCSEC), spectrum, PROFILE)
+        model = ModelledSky(sky, np.full(5, 120 * ARCSEC), Response.of(sky), PROFILE)
         return gather_residuals(self.observation, self.plan, model, GRIDDING)
 
     def interaction(self):

@@ -9,9 +9,11 @@ from uvshear.constants import ARCSEC
 from uvshear.extraction.plan import VisitPlan, Wanted, plan_visit
 from uvshear.extraction.residual import Gridding, ModelledSky, gather_residuals
 from uvshear.galaxy import Exponential, Galaxies
+from uvshear.interferometer.attenuation import Attenuation
+from uvshear.interferometer.extent import measure_extent
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
-from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.predict.response import Response
 
 PROFILE = Exponential()
 GRIDDING = Gridding(epsilon=1e-5)
@@ -37,6 +39,7 @@ class Visit:
 
     seen: Visibilities
     plan: VisitPlan
+    attenuation: Attenuation | None = None
 
     @property
     def observation(self) -> VisibilitySet:
@@ -59,9 +62,8 @@ class Visit:
         return gather_residuals(self.observation, self.plan, self.modelled(model), gridding)
 
     def modelled(self, model: Galaxies) -> ModelledSky:
-        frequency = self.seen.frequency
-        spectrum = SpectralExpansion.of(model, float(frequency.min()), float(frequency.max()))
-        return ModelledSky(model, np.full(len(model), HALF_WIDTH), spectrum, PROFILE)
+        response = Response.of(model, measure_extent(self.observation).probes, self.attenuation)
+        return ModelledSky(model, np.full(len(model), HALF_WIDTH), response, PROFILE)
 
 
 def visit(

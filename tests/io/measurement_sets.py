@@ -23,7 +23,13 @@ PHASE_CENTRE = PhaseCentre(1.0, -0.5)
 SEFD = ((13.5, 500.0), (15.0, 320.0))
 
 
-def simulated(seed: int | None = 1, channels: int = 4, layout: str = "ska-mid-aa1"):
+def simulated(
+    seed: int | None = 1,
+    channels: int = 4,
+    layout: str = "ska-mid-aa1",
+    *,
+    is_averaged: bool = False,
+):
     """An observation of 28 baselines and 60 integrations."""
     track = Track.from_clock(PHASE_CENTRE, ((-1800.0, 1800.0),), 60.0)
     galaxies = Galaxies(
@@ -41,6 +47,7 @@ def simulated(seed: int | None = 1, channels: int = 4, layout: str = "ska-mid-aa
         profile=Exponential(),
         noise=CorrelationNoise(SEFD),
         seed=seed,
+        is_averaged=is_averaged,
     )
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from casacore import tables
 
 from tests.io.measurement_sets import PHASE_CENTRE, change, real_set, simulated, written
 from uvshear.constants import SPEED_OF_LIGHT
@@ -12,7 +13,7 @@ from uvshear.io.measurement_set import MeasurementSet
 
 def test_what_was_written_is_found(tmp_path):
     observation = simulated()
-    seen = inspect(written(tmp_path))
+    seen = inspect(written(tmp_path, is_averaged=True))
     (content,) = seen.fields
     coverage = observation.coverage
     assert seen.telescope.name == "ska-mid-aa1"
@@ -34,8 +35,6 @@ def test_what_was_written_is_found(tmp_path):
 def test_all_fields_are_looked_at(tmp_path):
     path = written(tmp_path)
     change(path, "FIELD_ID", 1, rows=slice(0, 100))
-    from casacore import tables
-
     with tables.table(str(path / "FIELD"), readonly=False, ack=False) as fields:
         fields.addrows(1)
         fields.putcell("NAME", 1, "calibrator")
@@ -72,7 +71,8 @@ def test_what_is_no_set_is_refused(tmp_path):
 
 def test_rows_carry_what_they_were_averaged_over(tmp_path):
     coverage = simulated().coverage
-    chunks = list(MeasurementSet(written(tmp_path), memory=2**14).chunks())
+    path = written(tmp_path, is_averaged=True)
+    chunks = list(MeasurementSet(path, memory=2**14).chunks())
     taken = [chunk.integrations for chunk in chunks]
     assert len(taken) > 1
     antennas = np.concatenate([one.antennas for one in taken])
@@ -83,9 +83,14 @@ def test_rows_carry_what_they_were_averaged_over(tmp_path):
     np.testing.assert_allclose(chunks[0].width, simulated().channels.width)
 
 
-def test_a_set_without_intervals_knows_none(tmp_path):
-    path = written(tmp_path)
-    change(path, "INTERVAL", 0.0)
-    change(path, "EXPOSURE", 0.0)
-    (chunk, *_) = MeasurementSet(path).chunks()
+def test_a_simulation_of_moments_and_frequencies_was_not_averaged(tmp_path):
+    (chunk, *_) = MeasurementSet(written(tmp_path)).chunks()
     assert not chunk.integrations.interval.any()
+    assert not chunk.width.any()
+
+
+def test_a_set_that_does_not_say_is_averaged_over_its_channels(tmp_path):
+    path = written(tmp_path)
+    change(path, "EFFECTIVE_BW", np.nan, subtable="SPECTRAL_WINDOW")
+    (chunk, *_) = MeasurementSet(path).chunks()
+    np.testing.assert_allclose(chunk.width, simulated().channels.width)

@@ -14,17 +14,22 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.extent import Extent
 from uvshear.interferometer.layout import load_layout
+from uvshear.interferometer.samples import Samples
 from uvshear.measurement.baselines import Baselines
 from uvshear.measurement.field import Field
 
 FREQUENCY = 1.07e9
+NOTHING = np.zeros(0)
+NOBODY = Samples(
+    np.zeros((0, 3)), NOTHING + 0j, NOTHING, NOTHING, NOTHING, NOTHING, np.zeros((0, 2), int)
+)
 
 
 def _field(flux, uv_range):
     """Only what the choice looks at."""
     flux = np.asarray(flux) * MICROJANSKY
     count = len(flux)
-    extent = Extent(1, 1, uv_range.maximum, FREQUENCY, FREQUENCY, 1.0)
+    extent = Extent(1, 1, uv_range.maximum, FREQUENCY, FREQUENCY, 1.0, NOBODY)
     size = SizeFluxRelation().prior(flux)
     nowhere = np.zeros(count)
     sky = galaxies(nowhere, nowhere, flux, np.exp(size.log_median), nowhere + 0j)

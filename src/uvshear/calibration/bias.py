@@ -27,6 +27,9 @@ class Bias:
         Of the galaxies, by their flux.
     m, m_err, c, c_err
         Of both components.
+    response
+        Of the estimator's terms to both components, a galaxy with all of its measurements: by it galaxies of unlike
+        fluxes share a total.
     n
         Galaxies, each measured several times.
     failed
@@ -38,6 +41,7 @@ class Bias:
     m_err: Float[Array, " 2"]
     c: Float[Array, " 2"]
     c_err: Float[Array, " 2"]
+    response: Float[Array, " 2"]
     n: int
     failed: int = 0
 
@@ -50,7 +54,8 @@ class Bias:
             for suffix, value in (("", best), ("_err", error))
         }
         found = {name: value for name, value in numbers.items() if np.isfinite(value)}
-        return found | {"n": self.n, "failed": self.failed}
+        responses = {f"response{i + 1}": float(self.response[i]) for i in (0, 1)}
+        return found | responses | {"n": self.n, "failed": self.failed}
 
 
 def shears_of(
@@ -97,4 +102,5 @@ def fit_bias(
 
     total = values.sum(axis=0)
     best, error = fit(total), jackknife_error(fit(total - values))
-    return Bias(name, best[:2], error[:2], best[2:], error[2:], n, failed)
+    response = total[:, [2, 5]].sum(axis=0) / n
+    return Bias(name, best[:2], error[:2], best[2:], error[2:], response, n, failed)

@@ -23,7 +23,7 @@ from uvshear.galaxy import Galaxies, Profile
 from uvshear.imaging.bands import OVERSAMPLING
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Observation
-from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.predict.response import Response
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
 SCALE_LENGTHS = 45.0
@@ -115,10 +115,9 @@ class Beam:
         """
         longest = SMALL / smallest
         pixel = 1 / (2 * OVERSAMPLING * longest)
-        spectrum = SpectralExpansion.of(galaxies, 1.0, 1.0)
         gridding = Gridding(threads=threads)
         beams = gather_beams(
-            observation, np.zeros((1, 2)), (0.0, longest), pixel, spectrum, gridding
+            observation, np.zeros((1, 2)), (0.0, longest), pixel, Response.of(galaxies), gridding
         )
         return cls(beams.images[0], pixel, longest)
 

@@ -81,9 +81,10 @@ def _facts_of_field(one: "FieldContent") -> list[Fact]:
     start, end = (Time(day / 86400, format="mjd") for day in one.time)
     shortest, longest = one.interval
     interval = f"{shortest:.4g}" + (f" to {longest:.4g}" if longest > shortest else "")
+    averaged = f"{interval} s" if longest > 0 else "nothing"
     facts += [
         ("time", f"{start.isot[:19]} to {end.isot[:19]} UTC"),
-        ("integration", f"{interval} s"),
+        ("averaged over", averaged),
     ]
     if counts.usable:
         (near, far), (low, high) = one.baseline, one.uv_distance

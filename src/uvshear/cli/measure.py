@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uvshear.cli.beams import BeamName, PrimaryBeamOption, beam_of
 from uvshear.cli.options import (
     Output,
     Overwrite,
@@ -111,6 +112,14 @@ def measure(
     ignore_flags: Annotated[
         bool, typer.Option("--ignore-flags", help="Take flagged visibilities too, for a look.")
     ] = False,
+    smearing: Annotated[
+        bool,
+        typer.Option(
+            "--smearing/--no-smearing",
+            help="Model sources as channels and integrations average them (converged).",
+        ),
+    ] = True,
+    primary_beam: PrimaryBeamOption = BeamName.NONE,
     size_prior: Annotated[
         SizePriorName, typer.Option(help="Prior on the size: by the flux, or scale_length.")
     ] = SizePriorName.FLUX,
@@ -159,16 +168,19 @@ def measure(
     """Measure the ellipticity of every source of a catalogue from the visibilities."""
     uv_range = uv_range_of(uv_min or 0.0, uv_max)
     way = extraction_of(extraction, facet, facet_size, rounds, uv_min)
+    if primary_beam is not BeamName.NONE and extraction is ExtractionName.PAPER:
+        raise InputError(
+            f"--extraction paper --primary-beam {primary_beam.value}: the paper has no primary beam;"
+            " --extraction converged is needed"
+        )
     statistics = statistics_of(keep, extraction, profile_of(profile))
 
     from uvshear.constants import ARCSEC
     from uvshear.galaxy import CatalogueSize, SizeFluxRelation
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.images import write_residual_image
-    from uvshear.io.inspection import inspect
-    from uvshear.io.observations import open_observation
+    from uvshear.io.observations import dish_diameters, open_observation
     from uvshear.io.outputs import check_file
-    from uvshear.io.remarks import remarks_on
     from uvshear.io.shapes import write_shapes
     from uvshear.io.statistics import keep_statistics, statistics_path
     from uvshear.io.tables import check_table_name
@@ -197,6 +209,10 @@ def measure(
         profile=profile_of(profile),
         size=SizeFluxRelation() if size_prior is SizePriorName.FLUX else CatalogueSize(),
         uv_range=uv_range,
+        smears=smearing,
+        primary_beam=beam_of(
+            primary_beam, dish_diameters(measurement_sets), str(measurement_sets[0])
+        ),
         position_radius=(
             None if position_radius_arcsec is None else position_radius_arcsec * ARCSEC
         ),
@@ -213,10 +229,7 @@ def measure(
     write_shapes(output, shapes, overwrite=overwrite)
     columns = tuple(name for one in statistics for name in one.columns)
     keep_statistics(output, shapes["id"], columns, extracted.kept, overwrite=overwrite)
-    for path in measurement_sets:
-        for content in inspect(path, column, field_of(field)).fields:
-            for remark in remarks_on(content):
-                warn(remark)
+    tell_remarks(measurement_sets, column, field_of(field))
     measured = sum(flag == "ok" for flag in shapes["flag"])
     say(f"{output}: {measured} of {len(shapes)} sources measured")
     tell_convergence(extracted.record)
@@ -227,6 +240,17 @@ def measure(
             )
         write_residual_image(residual_image, images, centre, made.metadata(), overwrite=overwrite)
         _draw(images, shorten(measurement_sets[0].name), residual_image, overwrite=overwrite)
+
+
+def tell_remarks(paths: list[Path], column: str, field: int | str | None) -> None:
+    """Say what a user should know of sets that are measured all the same."""
+    from uvshear.io.inspection import inspect
+    from uvshear.io.remarks import remarks_on
+
+    for path in paths:
+        for content in inspect(path, column, field).fields:
+            for remark in remarks_on(content):
+                warn(remark)
 
 
 def statistics_of(

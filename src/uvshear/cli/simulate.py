@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uvshear.cli.beams import BeamName, PrimaryBeamOption, beam_of
 from uvshear.cli.options import (
     Output,
     Overwrite,
@@ -120,6 +121,14 @@ def simulate(
     no_elevation_limit: Annotated[
         bool, typer.Option("--no-elevation-limit", help="Keep samples at any elevation.")
     ] = False,
+    smearing: Annotated[
+        bool,
+        typer.Option(
+            "--smearing",
+            help="Average over channels and integrations; the paper's samples are of one frequency and moment.",
+        ),
+    ] = False,
+    primary_beam: PrimaryBeamOption = BeamName.NONE,
     profile: Annotated[
         ProfileName, typer.Option(help="Of all galaxies.")
     ] = ProfileName.EXPONENTIAL,
@@ -158,10 +167,13 @@ def simulate(
     sources = read_catalogue(catalogue, flux_unit=flux_unit)
     centre = phase_centre_of(sources, ra_deg, declination_deg)
     limit = None if no_elevation_limit else math.radians(elevation_limit_deg)
+    array = load_layout(layout)
     plan = ObservingPlan(
-        load_layout(layout),
+        array,
         Track.from_clock(centre, ranges, integration_s, limit),
         Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, channels),
+        is_averaged=smearing,
+        primary_beam=beam_of(primary_beam, array.diameters, f"layout {layout}"),
     )
     observation = simulate_observation(
         sources,

@@ -16,7 +16,7 @@ from uvshear.imaging.tangent import TangentPlane
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.rendering import smooth_step
-from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.predict.response import Response
 from uvshear.typing import Array, Float, Int
 
 SIZE = 704
@@ -96,7 +96,7 @@ def gather_beams(
     lm: Float[Array, "source 2"],
     uv_range: tuple[float, float],
     pixel: float,
-    spectrum: SpectralExpansion,
+    response: Response,
     gridding: Gridding,
     step: Callable[[float], None] | None = None,
 ) -> Beams:
@@ -105,7 +105,7 @@ def gather_beams(
     images = np.zeros((len(nodes), SIZE, SIZE), np.float32)
     wide, wide_pixel = np.zeros((WIDE_SIZE, WIDE_SIZE), np.float32), pixel / WIDE_BAND
     for samples in blocks(observation, *uv_range, gridding.block):
-        unit = (samples.weights * spectrum.gain(samples.frequency) ** 2).astype(np.complex64)
+        unit = (samples.weights * response.gain(samples.frequency) ** 2).astype(np.complex64)
         short = samples.uv_distance < WIDE_BAND * uv_range[1]
         for rows in slabs(int(short.sum())):
             plane = TangentPlane.at(samples.uvw[short][rows], *nodes[0])
@@ -118,7 +118,8 @@ def gather_beams(
         ) -> tuple[int, Float[Array, "l m"], int]:
             node, rows = task
             plane = TangentPlane.at(samples.uvw[rows], *nodes[node])
-            return node, plane.beam(unit[rows], SIZE, pixel, gridding.epsilon), len(plane.phase)
+            seen = unit[rows] * response.aside(samples.select(rows), *nodes[node].tolist()) ** 2
+            return node, plane.beam(seen, SIZE, pixel, gridding.epsilon), len(plane.phase)
 
         for node, part, count in in_order(image, tasks, gridding.threads):
             images[node] += part

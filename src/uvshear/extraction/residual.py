@@ -21,7 +21,7 @@ from uvshear.imaging.tiles import Tile
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.rendering import render, stamp_size
-from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.predict.response import Response
 from uvshear.typing import Array, Complex, Float
 
 SLAB = 2**21
@@ -58,11 +58,11 @@ class Gridding:
 
 @dataclass(frozen=True)
 class ModelledSky:
-    """What is subtracted: galaxies, how far each matters [rad], their common spectrum and their profile."""
+    """What is subtracted: galaxies, how far each matters [rad], how samples see them, and their profile."""
 
     galaxies: Galaxies
     half_width: Float[Array, " source"]
-    spectrum: SpectralExpansion
+    response: Response
     profile: Profile
 
 
@@ -122,7 +122,9 @@ def _add_block(
         part = samples.select(np.flatnonzero(number == b))
         weighted = _weighted_residual(part, tiles, band, sky, gridding)
         images = []
-        for tile, image in zip(tiles, _images(part, weighted, tiles, band, gridding), strict=True):
+        for tile, image in zip(
+            tiles, _images(part, weighted, tiles, band, sky.response, gridding), strict=True
+        ):
             if tile.parent >= 0:
                 above = plan.tiles[b + 1][tile.parent]
                 (i, j), (k, l) = tile.origin, above.origin
@@ -149,9 +151,9 @@ def _weighted_residual(
     sky: ModelledSky,
     gridding: Gridding,
 ) -> Complex[Array, " sample"]:
-    """Weight times what is left of each sample, with the common spectrum as matched filter."""
+    """Weight times what is left of each sample, with the common power law as matched filter."""
     model = predict_samples(samples, tiles, band, sky, gridding)
-    gain = sky.spectrum.gain(samples.frequency)
+    gain = sky.response.gain(samples.frequency)
     return (samples.stokes_i - model) * (samples.weights * gain)
 
 
@@ -164,33 +166,56 @@ def predict_samples(
 ) -> Complex[Array, " sample"]:
     """Visibilities of the sky on samples of a band [Jy], by way of images on its tiles."""
     model = np.zeros(len(samples), np.complex64)
-    logarithm = sky.spectrum.logarithm(samples.frequency)
-    for term, flux in enumerate(sky.spectrum.fluxes):
+    response = sky.response
 
-        def draw(tile: Tile, flux: Float[Array, " source"] = flux) -> Float[Array, "l m"]:
-            chosen = tile.members
-            return render(
-                sky.galaxies.select(chosen),
-                flux[chosen],
-                sky.half_width[chosen],
-                tile,
-                band,
-                sky.profile,
-            )
+    def draw(part: _Part) -> Float[Array, "l m"]:
+        members = part.tile.members
+        return render(
+            sky.galaxies.select(members),
+            part.flux,
+            sky.half_width[members],
+            part.tile,
+            band,
+            sky.profile,
+        )
 
-        def predict(
-            task: tuple[Tile, Float[Array, "l m"], slice],
-        ) -> tuple[slice, Complex[Array, " slab"]]:
-            tile, image, rows = task
-            plane = TangentPlane.at(samples.uvw[rows], *tile.centre(band.pixel))
-            return rows, plane.visibilities(image, band.pixel, gridding.epsilon)
+    def predict(
+        task: tuple[_Part, Float[Array, "l m"], slice],
+    ) -> tuple[slice, Complex[Array, " slab"]]:
+        part, image, rows = task
+        plane = TangentPlane.at(samples.uvw[rows], *part.tile.centre(band.pixel))
+        vis = plane.visibilities(image, band.pixel, gridding.epsilon)
+        return rows, vis * response.own(samples.select(rows), *part.seen_as)
 
-        padded = [_padded(tile, sky, band) for tile in tiles]
-        drawn = zip(padded, in_order(draw, padded, gridding.threads), strict=True)
-        tasks = ((tile, image, rows) for tile, image in drawn for rows in slabs(len(samples)))
-        for rows, vis in in_order(predict, tasks, gridding.threads):
-            model[rows] += vis * logarithm[rows] ** term if term else vis
-    return model * sky.spectrum.gain(samples.frequency)
+    parts = [part for tile in tiles for part in _parts(_padded(tile, sky, band), sky, band)]
+    drawn = zip(parts, in_order(draw, parts, gridding.threads), strict=True)
+    tasks = ((part, image, rows) for part, image in drawn for rows in slabs(len(samples)))
+    for rows, vis in in_order(predict, tasks, gridding.threads):
+        model[rows] += vis
+    return model * response.gain(samples.frequency)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Fluxes of a tile's members [Jy] that samples see as they see a source at (l, m) of a spectral index."""
+
+    tile: Tile
+    flux: Float[Array, " member"]
+    seen_as: tuple[float, float, float]
+
+
+def _parts(tile: Tile, sky: ModelledSky, band: Band) -> list[_Part]:
+    members = sky.galaxies.select(tile.members)
+    shared = sky.response.shared(members, band.shortest, band.longest)
+    parts = []
+    for source, coefficients in zip(shared.chosen.tolist(), shared.coefficients, strict=True):
+        seen_as = (
+            float(members.l[source]),
+            float(members.m[source]),
+            float(members.spectral_index[source]),
+        )
+        parts.append(_Part(tile, members.flux * coefficients, seen_as))
+    return parts
 
 
 def _padded(tile: Tile, sky: ModelledSky, band: Band) -> Tile:
@@ -211,14 +236,17 @@ def _images(
     weighted: Complex[Array, " sample"],
     tiles: Sequence[Tile],
     band: Band,
+    response: Response,
     gridding: Gridding,
 ) -> Iterator[Float[Array, "l m"]]:
-    """Image of each tile in turn."""
+    """Image of each tile in turn, with what its centre sees as matched filter."""
 
     def image(task: tuple[Tile, slice]) -> Float[Array, "l m"]:
         tile, rows = task
-        plane = TangentPlane.at(samples.uvw[rows], *tile.centre(band.pixel))
-        return plane.image(weighted[rows], tile.size, band.pixel, gridding.epsilon)
+        centre = tile.centre(band.pixel)
+        filtered = weighted[rows] * response.aside(samples.select(rows), *centre)
+        plane = TangentPlane.at(samples.uvw[rows], *centre)
+        return plane.image(filtered, tile.size, band.pixel, gridding.epsilon)
 
     parts_of_rows = slabs(len(samples))
     parts = in_order(

@@ -29,11 +29,12 @@ from uvshear.imaging import ImageGrid
 from uvshear.imaging.bands import OVERSAMPLING, octaves
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.imaging.tiles import Footprint, plan_tiles
+from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.extent import Extent
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict import predict_visibilities
-from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.predict.response import Response
 from uvshear.typing import Array, Complex, Float
 
 MOST_PIXELS = 4096
@@ -120,6 +121,7 @@ def residual_image(
     extent: Extent,
     uv_range: UvRange | None = None,
     gridding: Gridding | None = None,
+    attenuation: Attenuation | None = None,
     step: Step | None = None,
 ) -> DirtyAndResidual:
     r"""Image the data, and the data less a sky, on a square that holds every source.
@@ -136,6 +138,8 @@ def residual_image(
         Of the observation.
     uv_range
         Baselines to image; all unless given.
+    attenuation
+        Of each source.
     step
         Hears how many samples have been predicted (once each) and imaged (twice each).
 
@@ -150,7 +154,10 @@ def residual_image(
     longest = used.maximum * (1 + 1e-9)  # the longest baseline itself takes part
     chosen = _direct if len(sky) * extent.samples <= DIRECT else _tiled
     predict = chosen(
-        _modelled(sky, profile, extent, grid, longest), used.minimum, longest, gridding
+        _modelled(sky, profile, Response.of(sky, extent.probes, attenuation), grid, longest),
+        used.minimum,
+        longest,
+        gridding,
     )
     both = np.zeros((2, grid.size, grid.size))
     weight = weighted_frequency = 0.0
@@ -194,31 +201,32 @@ def plan_image(sky: Galaxies, uv_range: UvRange, longest: float) -> tuple[ImageG
 
 
 def _modelled(
-    sky: Galaxies, profile: Profile, extent: Extent, grid: ImageGrid, longest: float
+    sky: Galaxies, profile: Profile, response: Response, grid: ImageGrid, longest: float
 ) -> ModelledSky:
-    spectrum = SpectralExpansion.of(sky, extent.lowest_frequency, extent.frequency)
     widest = grid.size * grid.pixel / 2
     half = np.minimum(REACH * sky.scale_length / (1 - np.abs(sky.ellipticity)), widest)
     finest = 1 / (2 * OVERSAMPLING * longest)
-    return ModelledSky(sky, np.maximum(half, POINT_STAMP / 2 * finest), spectrum, profile)
+    return ModelledSky(sky, np.maximum(half, POINT_STAMP / 2 * finest), response, profile)
 
 
 def _direct(sky: ModelledSky, shortest: float, longest: float, gridding: Gridding) -> Predict:
     """Models summed source by source."""
-    spectrum = sky.spectrum
-    flat = np.zeros(len(sky.galaxies))
-    terms = [replace(sky.galaxies, flux=flux, spectral_index=flat) for flux in spectrum.fluxes]
+    galaxies, response = sky.galaxies, sky.response
+    shared = response.shared(galaxies, shortest, longest)
+    flat = np.zeros(len(galaxies))
     in_wavelengths = np.array([SPEED_OF_LIGHT])
 
     def predict(samples: Samples) -> Complex[Array, " sample"]:
         model = np.zeros(len(samples), np.complex64)
-        logarithm = spectrum.logarithm(samples.frequency)
-        for term, galaxies in enumerate(terms):
+        for source, coefficients in zip(shared.chosen, shared.coefficients, strict=True):
+            part = replace(galaxies, flux=galaxies.flux * coefficients, spectral_index=flat)
             vis = predict_visibilities(
-                galaxies, samples.uvw, in_wavelengths, sky.profile, gridding.threads
+                part, samples.uvw, in_wavelengths, sky.profile, gridding.threads
             )
-            model += vis[:, 0] * logarithm**term
-        return model * spectrum.gain(samples.frequency)
+            l, m = float(galaxies.l[source]), float(galaxies.m[source])
+            index = float(galaxies.spectral_index[source])
+            model += vis[:, 0] * response.own(samples, l, m, index)
+        return model * response.gain(samples.frequency)
 
     return predict
 

@@ -69,6 +69,18 @@ class Together(Attenuation):
         return reduce(np.multiply, factors, np.ones(len(samples)))
 
 
+def total_attenuation(
+    declination: float, primary_beam: Attenuation | None = None, *, smears: bool = True
+) -> Attenuation | None:
+    """Smearing of a field at this declination [rad] and primary beam together; None if there is neither."""
+    parts: tuple[Attenuation, ...] = ()
+    if smears:
+        parts = (BandwidthSmearing(), TimeSmearing(declination))
+    if primary_beam is not None:
+        parts = (*parts, primary_beam)
+    return Together(parts) if parts else None
+
+
 def rotation(uvw: Float[Array, "sample 3"], declination: float) -> Float[Array, "sample 3"]:
     """Change of (u, v, w) a second, as the Earth turns them about the pole, (0, cos dec, sin dec)."""
     u, v, w = uvw.T

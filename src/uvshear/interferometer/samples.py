@@ -25,9 +25,9 @@ class Samples:
     frequency
         [Hz].
     bandwidth
-        Width of the channel [Hz]; 0 where it is not known.
+        That was averaged over [Hz].
     interval
-        Length of the integration [s]; 0 where it is not known.
+        That was averaged over [s].
     antennas
         Numbers of ANTENNA1 and ANTENNA2; -1 where they are not known.
     """

@@ -22,7 +22,7 @@ class Integrations:
     time
         Middle [s], from any epoch.
     interval
-        Length [s]; 0 where it is not known.
+        Length [s]; 0 of what was not averaged.
     """
 
     antennas: Int[Array, "row 2"]
@@ -49,7 +49,7 @@ class Visibilities:
     weights
         1/sigma^2, sigma of one real component [Jy^-2]; 0 marks what is flagged.
     width
-        Of the channels [Hz]; None where it is not known.
+        Of the channels, that was averaged over [Hz]; None of what was not.
     integrations
         Of the rows; None where they are not known.
     """

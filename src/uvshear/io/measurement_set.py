@@ -283,7 +283,7 @@ def _combine(
         frequency=description.channels.frequency,
         stokes_i=combined.visibilities,
         weights=combined.weights,
-        width=description.channels.width,
+        width=description.averaged,
         integrations=integrations,
     )
     return visibilities, counts

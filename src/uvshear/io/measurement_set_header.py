@@ -13,9 +13,10 @@ from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import parallel_hands
+from uvshear.typing import Array, Float
 
 NEEDED_COLUMNS = ("UVW", "FLAG", "ANTENNA1", "ANTENNA2", "DATA_DESC_ID", "FIELD_ID", "TIME")
-INTERVAL_COLUMNS = ("INTERVAL", "EXPOSURE")
+AVERAGED_COLUMNS = ("EXPOSURE", "INTERVAL")
 WEIGHT_COLUMNS = ("WEIGHT_SPECTRUM", "WEIGHT", "SIGMA")
 FRAMES = ("J2000", "ICRS")
 ROWS_SCANNED = 2**20
@@ -32,6 +33,8 @@ class DataDescription:
         The DATA_DESC_ID.
     channels
         Of its spectral window.
+    averaged
+        EFFECTIVE_BW of each channel, over which it was averaged [Hz] (0: over nothing); its width in a set without.
     correlations
         Number of correlations.
     hands
@@ -40,6 +43,7 @@ class DataDescription:
 
     identifier: int
     channels: Channels
+    averaged: Float[Array, " chan"]
     correlations: int
     hands: tuple[int, ...]
 
@@ -63,7 +67,7 @@ class Header:
     weight_column
         WEIGHT_SPECTRUM, WEIGHT or SIGMA: the first that is filled.
     interval_column
-        INTERVAL, the span that a row was averaged over; EXPOSURE, or None, in a set that has none.
+        EXPOSURE, which a row was averaged over (0: over nothing); INTERVAL, or None, in a set that has none.
     """
 
     rows: int
@@ -229,12 +233,22 @@ def _descriptions(path: Path) -> tuple[DataDescription, ...]:
                 hands = parallel_hands([int(code) for code in types])
             except InputError as error:
                 raise InputError(f"{path}: DATA_DESC_ID {index}: {error}") from None
-            found.append(DataDescription(index, channels, len(types), hands))
+            averaged = _averaged(spectral, int(window), channels)
+            found.append(DataDescription(index, channels, averaged, len(types), hands))
     if not found:
         raise InputError(
             f"{path}: DATA_DESCRIPTION is empty; it needs a row for each spectral window"
         )
     return tuple(found)
+
+
+def _averaged(spectral: tables.table, window: int, channels: Channels) -> Float[Array, " chan"]:
+    column = "EFFECTIVE_BW"
+    if column not in spectral.colnames() or not spectral.iscelldefined(column, window):
+        return channels.width
+    averaged = np.abs(np.asarray(spectral.getcell(column, window), float))
+    usable = averaged.shape == channels.width.shape and bool(np.isfinite(averaged).all())
+    return averaged if usable else channels.width
 
 
 def _weight_column(path: Path, main: tables.table, column: str) -> str:
@@ -256,7 +270,4 @@ def _weight_column(path: Path, main: tables.table, column: str) -> str:
 
 
 def _interval_column(main: tables.table) -> str | None:
-    for name in INTERVAL_COLUMNS:
-        if name in main.colnames() and main.getcell(name, 0) > 0:
-            return name
-    return None
+    return next((name for name in AVERAGED_COLUMNS if name in main.colnames()), None)

@@ -125,7 +125,7 @@ def _spectral_window(observation: SimulatedObservation) -> dict[str, object]:
         "NUM_CHAN": [len(channels)],
         "CHAN_FREQ": channels.frequency.reshape(1, -1),
         "CHAN_WIDTH": width,
-        "EFFECTIVE_BW": width,
+        "EFFECTIVE_BW": observation.averaged_width.reshape(1, -1),
         "RESOLUTION": width,
         "REF_FREQUENCY": [float(channels.frequency[0])],
         "TOTAL_BANDWIDTH": [float(channels.width.sum())],

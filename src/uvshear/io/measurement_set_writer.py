@@ -163,7 +163,7 @@ def _create(path: Path, observation: SimulatedObservation) -> None:
     with tables.default_ms(str(path), description, managers) as main:
         # An incremental column hands its last value on to the rows added after it.
         main.addrows(1)
-        _write_constants(main, observation.coverage)
+        _write_constants(main, observation)
         main.addrows(len(observation.coverage) - 1)
 
 
@@ -178,16 +178,19 @@ def _tiled_manager(column: str, shape: list[int], item_bytes: int, rows: int) ->
     }
 
 
-def _write_constants(main: tables.table, coverage: Coverage) -> None:
-    """Fill the first row of the columns of one value."""
+def _write_constants(main: tables.table, observation: SimulatedObservation) -> None:
+    """Fill the first row of the columns of one value; EXPOSURE is 0 of samples that are no averages."""
+    coverage = observation.coverage
     for column in CONSTANT_COLUMNS:
         value: object = 0
         if column == "FLAG_ROW":
             value = False
         elif column == "SCAN_NUMBER":
             value = 1
-        elif column in {"EXPOSURE", "INTERVAL"}:
+        elif column == "INTERVAL":
             value = coverage.integration
+        elif column == "EXPOSURE":
+            value = coverage.integration if observation.is_averaged else 0.0
         main.putcell(column, 0, value)
 
 

@@ -5,11 +5,15 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.io.measurement_set import MeasurementSet
+from uvshear.io.measurement_set_header import casacore_errors, open_table
+from uvshear.typing import Array, Float
 
 SAME_DIRECTION = 1e-3 * ARCSEC
 """Phase centres closer than this are one."""
@@ -56,3 +60,19 @@ def open_observation(
                 " what is measured together shares it"
             )
     return parts[0] if len(parts) == 1 else JointObservation(first, parts)
+
+
+def dish_diameters(paths: Sequence[Path]) -> Float[Array, " antenna"]:
+    """DISH_DIAMETER of each antenna [m], the same in all sets; 0 where it is not given."""
+    found = [_diameters(path) for path in paths]
+    for path, other in zip(paths[1:], found[1:], strict=True):
+        if not np.array_equal(other, found[0]):
+            raise InputError(
+                f"{path}: its dishes are not those of {paths[0]}; a primary beam needs the same"
+            )
+    return found[0]
+
+
+def _diameters(path: Path) -> Float[Array, " antenna"]:
+    with open_table(path, "ANTENNA") as table, casacore_errors(path, "ANTENNA"):
+        return np.asarray(table.getcol("DISH_DIAMETER"), float)

@@ -49,7 +49,7 @@ from uvshear.measurement.natural_snr import with_natural_snr
 from uvshear.measurement.settlement import Settlement
 from uvshear.measurement.sky import with_fitted
 from uvshear.measurement.source import GalaxySource, ModelledSource, PointSource
-from uvshear.predict.spectrum import SpectralExpansion
+from uvshear.predict.response import Response
 from uvshear.typing import Array
 
 if TYPE_CHECKING:  # the options hold an extraction
@@ -140,14 +140,16 @@ class _Run:
         self._members = field.modelled
         sky = field.sky.select(self._members)
         extent = field.extent
-        self._spectrum = SpectralExpansion.of(sky, extent.lowest_frequency, extent.frequency)
-        self._common = self._spectrum.fluxes[0] / np.where(sky.flux > 0, sky.flux, 1.0)
+        self._response = Response.of(
+            sky, extent.probes, options.attenuation(observation.phase_centre.dec)
+        )
+        self._common = self._response.strengths(sky)
         to_1_4_ghz = (REFERENCE_FREQUENCY / sky.reference_frequency) ** sky.spectral_index
         self._at_1_4_ghz = self._common / to_1_4_ghz
         self._is_galaxy = field.flags[self._members] == FitFlag.OK
         self._expected = [
             GalaxyFit(float(flux), np.zeros(2), 0j, float(size), 0.0)
-            for flux, size in zip(self._spectrum.fluxes[0], sky.scale_length, strict=True)
+            for flux, size in zip(sky.flux * self._common, sky.scale_length, strict=True)
         ]
         self._sources: list[ModelledSource] = []
         self._baselines = Baselines.of(field, self._is_galaxy, method.shortest)
@@ -220,7 +222,7 @@ class _Run:
         if used.shortest > 0 or options.uv_range.maximum < math.inf:
             profile = options.profile
             measurements = with_natural_snr(
-                measurements, self._observation, sky, profile, options.threads
+                measurements, self._observation, sky, profile, options.threads, self._response
             )
         uv_range = UvRange(used.shortest, field.uv_range.maximum)
         return Extracted(measurements, sky, uv_range, record, self._kept)
@@ -269,14 +271,12 @@ class _Run:
             for k, (source, fit) in enumerate(zip(self._members, fits, strict=True))
         }
         sky = with_fitted(field.sky, field, found).select(self._members)
-        extent = field.extent
-        spectrum = SpectralExpansion.of(sky, extent.lowest_frequency, extent.frequency)
         pixel = 1 / (2 * OVERSAMPLING * self._baselines.finest)
         half = np.array([fit.half_width for fit in fits])
         median = np.exp(field.size.log_median[self._members])
         half = np.maximum(half, self._method.scale_lengths / 2 * median)
         half = np.where(self._is_galaxy, half, POINT_STAMP / 2 * pixel)
-        return ModelledSky(sky, half, spectrum, self._options.profile)
+        return ModelledSky(sky, half, self._response, self._options.profile)
 
     def _in_catalogue_flux(self, k: int, fit: GalaxyFit) -> GalaxyFit:
         return replace(fit, flux=fit.flux / float(self._common[k]))
@@ -290,7 +290,7 @@ class _Run:
             lm,
             uv_range,
             plan.pixel,
-            self._spectrum,
+            self._response,
             self._gridding,
             self._meter.add,
         )

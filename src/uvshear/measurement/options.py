@@ -16,6 +16,7 @@ from uvshear.galaxy import (
     SizeFluxRelation,
     SizeModel,
 )
+from uvshear.interferometer.attenuation import Attenuation, total_attenuation
 from uvshear.measurement.converged import ConvergedExtraction
 from uvshear.measurement.extraction import Extraction
 from uvshear.measurement.keep import Statistic
@@ -53,6 +54,10 @@ class MeasurementOptions:
         Radius of the uniform prior on the position [rad]; None stands for one width of the correlation's peak.
     field_radius
         Sources farther from the phase centre are flagged and left alone [rad].
+    smears
+        Whether sources are modelled as channels and integrations average them, each according to where it is.
+    primary_beam
+        Of the dishes (``interferometer.primary_beam``); fluxes are then those of the sky. None of them unless given.
     keep
         Statistics of every source that are kept beside its shape.
     threads
@@ -69,9 +74,15 @@ class MeasurementOptions:
     uv_range: UvRange = field(default_factory=UvRange)
     position_radius: float | None = None
     field_radius: float = np.radians(5.0)
+    smears: bool = True
+    primary_beam: Attenuation | None = None
     keep: tuple[Statistic, ...] = ()
     threads: int = 1
     memory: float = field(default_factory=half_of_memory)
+
+    def attenuation(self, declination: float) -> Attenuation | None:
+        """Return what averaging and primary beams leave of sources, for a field at this declination [rad]."""
+        return total_attenuation(declination, self.primary_beam, smears=self.smears)
 
     def __post_init__(self) -> None:
         if not self.memory > 0:

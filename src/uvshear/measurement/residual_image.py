@@ -32,5 +32,6 @@ def image_residual(
         extent=field.extent,
         uv_range=extracted.uv_range,
         gridding=Gridding(block=block_of(options.memory), threads=options.threads),
+        attenuation=options.attenuation(observation.phase_centre.dec),
         step=step,
     )

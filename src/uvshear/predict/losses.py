@@ -8,7 +8,7 @@ import numpy as np
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.samples import Samples
-from uvshear.interferometer.visibilities import Integrations, Visibilities
+from uvshear.interferometer.visibilities import Integrations
 from uvshear.typing import Array, Float
 
 
@@ -21,7 +21,7 @@ class Losses:
     attenuation
         By averaging, by primary beams, or both.
     width
-        Of the channels [Hz]; None where it is not known.
+        Of the channels [Hz]; None of what was not averaged.
     integrations
         Of the rows; None where they are not known.
     """
@@ -31,9 +31,14 @@ class Losses:
     integrations: Integrations | None = None
 
     @classmethod
-    def of(cls, attenuation: Attenuation | None, seen: Visibilities) -> Self | None:
+    def of(
+        cls,
+        attenuation: Attenuation | None,
+        width: Float[Array, " chan"] | None,
+        integrations: Integrations | None,
+    ) -> Self | None:
         """Losses in a block; None without an attenuation."""
-        return None if attenuation is None else cls(attenuation, seen.width, seen.integrations)
+        return None if attenuation is None else cls(attenuation, width, integrations)
 
     def samples(
         self,

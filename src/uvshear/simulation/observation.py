@@ -9,7 +9,7 @@ import numpy as np
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.profile import Profile
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.attenuation import Attenuation
+from uvshear.interferometer.attenuation import Attenuation, total_attenuation
 from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.noise import Noise
 from uvshear.interferometer.spectral_window import Channels
@@ -69,8 +69,10 @@ class SimulatedObservation:
         no noise, and keeps the weights that it would have had.
     threads
         For :meth:`chunks`, which simulates anew at each reading.
-    attenuation
-        By averaging over channels and integrations, and by primary beams; none unless given.
+    is_averaged
+        Over channels and integrations, as a correlator does; else samples are of one frequency and moment.
+    primary_beam
+        Of the dishes; none unless given.
     """
 
     coverage: Coverage
@@ -80,12 +82,18 @@ class SimulatedObservation:
     noise: Noise
     seed: int | None
     threads: int = 1
-    attenuation: Attenuation | None = None
+    is_averaged: bool = False
+    primary_beam: Attenuation | None = None
 
     @property
     def phase_centre(self) -> PhaseCentre:
         """Direction of l = m = 0."""
         return self.coverage.phase_centre
+
+    @property
+    def averaged_width(self) -> Float[Array, " chan"]:
+        """Of the channels, that was averaged over [Hz]."""
+        return self.channels.width if self.is_averaged else np.zeros(len(self.channels))
 
     @property
     def rows_per_slab(self) -> int:
@@ -98,11 +106,13 @@ class SimulatedObservation:
         for first_row in range(0, len(self.coverage), rows_per_block):
             coverage = self.coverage.rows(slice(first_row, first_row + rows_per_block))
             rows = slice(first_row, first_row + len(coverage))
-            losses = None
-            if self.attenuation is not None:
-                losses = Losses(self.attenuation, self.channels.width, self._integrations(rows))
             sky = predict_visibilities(
-                self.galaxies, coverage.uvw, self.channels.frequency, self.profile, threads, losses
+                self.galaxies,
+                coverage.uvw,
+                self.channels.frequency,
+                self.profile,
+                threads,
+                self._losses(rows),
             )
             sigma = self.noise.correlation_sigma(coverage, self.channels).astype(np.float32)
             correlations = np.repeat(sky.astype(np.complex64)[..., None], 2, axis=2)
@@ -124,14 +134,23 @@ class SimulatedObservation:
                 frequency=self.channels.frequency,
                 stokes_i=combined.visibilities,
                 weights=combined.weights,
-                width=self.channels.width,
+                width=self.averaged_width,
                 integrations=self._integrations(rows),
             )
 
     def _integrations(self, rows: slice) -> Integrations:
         taken = self.coverage.rows(rows)
         antennas = np.column_stack([taken.antenna1, taken.antenna2])
-        return Integrations(antennas, taken.time, np.full(len(taken), taken.integration))
+        interval = taken.integration if self.is_averaged else 0.0
+        return Integrations(antennas, taken.time, np.full(len(taken), interval))
+
+    def _losses(self, rows: slice) -> Losses | None:
+        centre = self.phase_centre
+        return Losses.of(
+            total_attenuation(centre.dec, self.primary_beam, smears=self.is_averaged),
+            self.averaged_width,
+            self._integrations(rows),
+        )
 
     def _add_noise(
         self,

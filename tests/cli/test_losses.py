@@ -1,0 +1,79 @@
+"""Averaging and primary beams by the command line: simulated, and measured again."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from astropy.table import Table
+
+SIMULATE = (
+    "--layout", "meerkat", "--declination-deg", "-30", "--hours", "0.5", "--integration-s", "300",
+    "--band-mhz", "1000", "1001", "--no-noise",
+)  # fmt: skip
+
+
+@pytest.fixture
+def catalogue(tmp_path: Path) -> Path:
+    """Three galaxies, bright enough for their shapes, a third of a degree off."""
+    path = tmp_path / "cat.ecsv"
+    table = Table(
+        {
+            "l": np.array([0.006, -0.005, 0.0]),
+            "m": np.array([0.0, 0.003, -0.006]),
+            "flux": np.full(3, 1e-2),
+            "scale_length": np.full(3, 6.0),
+            "e1": np.array([0.3, -0.2, 0.0]),
+            "e2": np.array([0.1, 0.1, -0.3]),
+        },
+        units={"l": "rad", "m": "rad", "flux": "Jy", "scale_length": "arcsec"},
+    )
+    table.write(path)
+    return path
+
+
+def _measured(uvshear: Callable, tmp_path: Path, catalogue: Path, *words: str) -> Table:
+    output = tmp_path / "shapes.ecsv"
+    outcome = uvshear(
+        "measure", tmp_path / "field.ms", "--catalogue", catalogue, "-o", output, "--overwrite",
+        "--size-prior", "catalogue", *words,
+    )  # fmt: skip
+    assert outcome.status == 0, outcome.err
+    return Table.read(output)
+
+
+def test_what_was_averaged_and_seen_by_dishes_is_measured_as_it_is(
+    uvshear: Callable, tmp_path: Path, catalogue: Path
+) -> None:
+    losses = ("--smearing", "--primary-beam", "meerkat")
+    outcome = uvshear(
+        *("simulate", "--catalogue", catalogue, *SIMULATE, *losses, "-o", tmp_path / "field.ms")
+    )
+    assert outcome.status == 0, outcome.err
+    truth = Table.read(catalogue)
+    right = _measured(uvshear, tmp_path, catalogue, "--primary-beam", "meerkat")
+    assert np.abs(right["e1"] - truth["e1"]).max() < 5e-3
+    np.testing.assert_allclose(right["flux_fit"], 1e4, rtol=0.01)
+    wrong = _measured(uvshear, tmp_path, catalogue, "--no-smearing")
+    assert np.abs(wrong["e1"] - truth["e1"]).max() > 0.02
+    assert wrong["flux_fit"].max() < 9e3
+
+
+def test_a_simulation_of_moments_is_not_taken_for_averages(
+    uvshear: Callable, tmp_path: Path, catalogue: Path
+) -> None:
+    outcome = uvshear(
+        *("simulate", "--catalogue", catalogue, *SIMULATE, "-o", tmp_path / "field.ms")
+    )
+    assert outcome.status == 0, outcome.err
+    shapes = _measured(uvshear, tmp_path, catalogue)
+    assert np.abs(shapes["e1"] - Table.read(catalogue)["e1"]).max() < 5e-3
+
+
+def test_the_paper_has_no_primary_beam(uvshear: Callable, tmp_path: Path, catalogue: Path) -> None:
+    outcome = uvshear(
+        "measure", tmp_path / "field.ms", "--catalogue", catalogue, "-o", tmp_path / "s.ecsv",
+        "--extraction", "paper", "--primary-beam", "airy",
+    )  # fmt: skip
+    assert outcome.status == 2
+    assert "--extraction converged is needed" in outcome.err

@@ -1,0 +1,126 @@
+"""Factors of sources over samples, and those of many in terms of a few."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.skies import galaxies, random_baselines
+from uvshear.constants import SPEED_OF_LIGHT
+from uvshear.interferometer.attenuation import BandwidthSmearing, TimeSmearing, Together
+from uvshear.interferometer.primary_beam import AiryBeam
+from uvshear.interferometer.samples import Samples
+from uvshear.predict.response import TOLERANCE, Response, Shared
+
+LOW, HIGH = 0.95e9, 1.76e9  # SKA-Mid's band 2
+DECLINATION = -0.5
+
+
+def _sky(indices, l=1e-3):
+    count = len(indices)
+    return galaxies(
+        np.linspace(-l, l, count), 0.3 * l, np.linspace(1.0, 2.0, count), beta=np.array(indices)
+    )
+
+
+def _samples(number=500, low=LOW, high=HIGH, seed=1):
+    rng = np.random.default_rng(seed)
+    frequency = rng.uniform(low, high, number)
+    uvw = random_baselines(number, 1e4, seed=seed) * (frequency / SPEED_OF_LIGHT)[:, None]
+    return Samples(
+        uvw=uvw,
+        stokes_i=np.zeros(number, np.complex64),
+        weights=rng.uniform(0.5, 2, number).astype(np.float32),
+        frequency=frequency,
+        bandwidth=np.full(number, 1e6, np.float32),
+        interval=np.full(number, 8.0, np.float32),
+        antennas=np.zeros((number, 2), np.int16),
+    )
+
+
+def _factor(response, samples, sky, source):
+    own = response.own(
+        samples, float(sky.l[source]), float(sky.m[source]), float(sky.spectral_index[source])
+    )
+    return own * response.gain(samples.frequency)
+
+
+def _shared_error(response, sky, samples):
+    """Largest difference of a factor and its combination of the few, on samples that chose nothing."""
+    shared = response.shared(sky, 0.0, np.inf)
+    few = np.stack([_factor(response, samples, sky, k) for k in shared.chosen.tolist()])
+    every = np.stack([_factor(response, samples, sky, k) for k in range(len(sky))])
+    return np.abs(shared.coefficients.T @ few - every).max(), len(shared.chosen)
+
+
+@settings(deadline=None, max_examples=30)
+@given(st.lists(st.floats(-2.0, 1.5), min_size=1, max_size=6), st.floats(1.01, 1.86))
+def test_a_few_spectra_make_all_power_laws_over_the_band(indices, ratio):
+    sky = _sky(indices)
+    probes, others = (_samples(high=ratio * LOW, seed=seed) for seed in (1, 2))
+    response = Response.of(sky, probes)
+    error, _ = _shared_error(response, sky, others)
+    for source, index in enumerate(indices):
+        truth = (others.frequency / 1.4e9) ** index
+        np.testing.assert_allclose(_factor(response, others, sky, source), truth, rtol=1e-6)
+    assert error < 10 * TOLERANCE
+
+
+def test_sources_of_one_index_are_one_and_need_no_probes():
+    response = Response.of(_sky([-0.7] * 4))
+    shared = response.shared(_sky([-0.7] * 4), 0.0, np.inf)
+    np.testing.assert_array_equal(shared.coefficients, np.ones((1, 4)))
+    assert response.own(_samples(), 0.1, 0.1, -0.7) == 1.0
+    np.testing.assert_array_equal(response.strengths(_sky([-0.7] * 4)), 1.0)
+    assert response.index == -0.7
+
+
+def test_no_sources_are_none():
+    nobody = _sky([-0.7]).select(np.zeros(0, int))
+    assert len(Response.of(nobody).strengths(nobody)) == 0
+
+
+EVERYTHING = Together(
+    (BandwidthSmearing(), TimeSmearing(DECLINATION), AiryBeam.of_diameters(np.array([13.5])))
+)
+
+
+@pytest.mark.parametrize("attenuation", [EVERYTHING, BandwidthSmearing()])
+def test_a_few_places_make_those_of_a_tile(attenuation):
+    """A tile of a quarter of a degree, three quarters off the centre."""
+    rng = np.random.default_rng(3)
+    count = 60
+    sky = galaxies(
+        np.radians(0.6 + rng.uniform(-0.12, 0.12, count)),
+        np.radians(-0.4 + rng.uniform(-0.12, 0.12, count)),
+        1.0,
+        beta=rng.choice([-0.7, -0.5], count),
+    )
+    response = Response.of(sky, _samples(2000), attenuation)
+    error, terms = _shared_error(response, sky, _samples(400, seed=2))
+    # smeared to a third and less at the longest baselines
+    assert error < 3e-3
+    assert terms <= 20
+
+
+def test_strengths_are_what_is_left_of_a_flux():
+    sky = _sky([-0.7, -0.7, 0.2], l=0.008)
+    probes = _samples(3000)
+    response = Response.of(sky, probes, AiryBeam.of_diameters(np.array([13.5])))
+    weight = probes.weights * response.gain(probes.frequency) ** 2
+    for source, strength in enumerate(response.strengths(sky)):
+        factor = _factor(response, probes, sky, source) / response.gain(probes.frequency)
+        assert strength == pytest.approx(np.sqrt(np.average(factor**2, weights=weight)), rel=1e-5)
+    bare = Response.of(sky, probes)
+    np.testing.assert_allclose(
+        response.attenuations(sky), response.strengths(sky) / bare.strengths(sky)
+    )
+    aside = response.aside(probes, float(sky.l[0]), float(sky.m[0]))
+    assert np.average(aside**2, weights=weight) == pytest.approx(1.0, rel=1e-4)
+
+
+def test_columns_that_repeat_are_chosen_once():
+    factors = np.ones((30, 5)) * np.array([1.0, 2.0, 0.5, 1.0, 3.0])
+    shared = Shared.of(factors)
+    assert shared.chosen.tolist() == [4]
+    np.testing.assert_allclose(shared.coefficients[0], [1 / 3, 2 / 3, 1 / 6, 1 / 3, 1.0])
