@@ -172,17 +172,17 @@ def calibrate(
 ) -> list[Bias]:
     """Bias of an estimator in total and by flux; the same whatever the number of processes."""
     about: Sequence[complex] = [0j] * len(experiment.shears)
-    pilot = min(PILOT, galaxies) if estimator.is_expanded else 0
+    # Without a shear the estimate is next to none: that is where it is expanded.
+    pilot = min(PILOT, galaxies) if estimator.is_expanded and any(experiment.shears) else 0
     tick = _counted(galaxies + PILOT_ROUNDS * pilot, progress)
     if estimator.is_learning:
         # Without shear, each once, as a survey has them; not those that are measured.
         every = looks(replace(experiment, shears=(0j,)), [0j], galaxies, PUPILS)
         estimator = estimator.learned([seen for _, _, seen in islice(every, 0, None, len(TURNED))])
-    if estimator.is_expanded:
-        for _ in range(PILOT_ROUNDS):
-            sums = _run(experiment, estimator, about, pilot, threads, tick)
-            found = shears_of(sum(one.values.sum(axis=0) for one in sums), about)
-            about = [complex(*pair) for pair in found]
+    for _ in range(PILOT_ROUNDS if pilot else 0):
+        sums = _run(experiment, estimator, about, pilot, threads, tick)
+        found = shears_of(sum(one.values.sum(axis=0) for one in sums), about)
+        about = [complex(*pair) for pair in found]
     blocks = _run(experiment, estimator, about, galaxies, threads, tick)
     values = np.array([block.values for block in blocks])
     count = np.array([block.count for block in blocks]).sum(axis=0)
