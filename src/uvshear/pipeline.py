@@ -295,4 +295,16 @@ def _prepare(
         )
     longest = min(options.uv_range.maximum, extent.longest)
     uv_range = replace(options.uv_range, maximum=longest)
-    return Field(l, m, sky, size, np.flatnonzero(is_modelled), flags, uv_range, extent)
+    unknown = np.zeros(len(sources))
+    return Field(
+        l,
+        m,
+        sky,
+        size,
+        np.flatnonzero(is_modelled),
+        flags,
+        uv_range,
+        extent,
+        flux_err=unknown if sources.flux_err is None else sources.flux_err,
+        position_err=unknown if sources.position_err is None else sources.position_err,
+    )

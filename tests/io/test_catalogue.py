@@ -191,7 +191,7 @@ def _wrong(message: str, **columns: object) -> object:
         _wrong("has no column 'e2'", e1=[0, 0, 0.8]),
         _wrong("column 'scale_length', id 8: is -", scale_length=[1.0, -1, 1]),
         _wrong("column 'spectral_index', id 8: is nan", spectral_index=[1.0, math.nan, 1]),
-        _wrong("column 'ra' holds text", ra=["12:00:00", "12:00:01", "12:00:02"]),
+        _wrong("column 'ra' holds text", ra=["here", "there", "near"]),
         _wrong("column 'ra' holds arrays", ra=np.zeros((3, 2))),
     ],
 )
@@ -292,3 +292,105 @@ def test_the_centre_of_a_simulated_field_is_kept(tmp_path: Path, suffix: str) ->
     assert centre is not None
     assert centre.ra == pytest.approx(CENTRE.ra, abs=1e-15)
     assert centre.dec == pytest.approx(CENTRE.dec, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("ra", "dec"),
+    [
+        (["03:28:12.63", "03:28:13", "03:28:14"], ["-27:35:15.0", "-27:35:16", "-27:35:17"]),
+        (["3h28m12.63s", "3h28m13s", "3h28m14s"], ["-27d35m15s", "-27d35m16s", "-27d35m17s"]),
+        (["3 28 12.63", "3 28 13", "3 28 14"], ["-27 35 15", "-27 35 16", "-27 35 17"]),
+    ],
+)
+def test_angles_that_are_written_out_are_read(ra: list[str], dec: list[str]) -> None:
+    catalogue = catalogue_from_table(_table(ra=ra, dec=dec))
+    assert catalogue.ra is not None
+    assert catalogue.dec is not None
+    assert np.degrees(catalogue.ra[0]) == pytest.approx(15 * (3 + 28 / 60 + 12.63 / 3600))
+    assert np.degrees(catalogue.dec[0]) == pytest.approx(-(27 + 35 / 60 + 15 / 3600))
+
+
+def test_errors_of_flux_and_position_are_kept() -> None:
+    catalogue = catalogue_from_table(
+        _table(
+            flux_err=[1.0, 2.0, np.nan],
+            ra_err=[3e-5, 0.0, 3e-5] * units.deg,
+            dec_err=[0.0, 0.0, 3e-5] * units.deg,
+        )
+    )
+    np.testing.assert_allclose(catalogue.flux_err, [1e-6, 2e-6, 0.0])
+    expected = np.radians(3e-5) * np.array([np.sqrt(0.5), 0.0, 1.0])
+    np.testing.assert_allclose(catalogue.position_err, expected)
+    assert catalogue_from_table(_table()).flux_err is None
+    assert catalogue_from_table(_table()).position_err is None
+
+
+DISC_OF_ONE = 2 * 1.67834699
+"""FWHM of a Gaussian with the half-light radius of an exponential disc of scale length 1."""
+
+
+def test_sizes_of_pybdsf_are_scale_lengths_and_what_it_does_not_resolve_are_points() -> None:
+    table = Table(
+        {
+            "Source_id": [0, 1, 2],
+            "Isl_id": [0, 1, 2],
+            "RA": [10.0, 11.0, 12.0] * units.deg,
+            "E_RA": [1e-5, 1e-5, 1e-5] * units.deg,
+            "DEC": [-30.0, -31.0, -32.0] * units.deg,
+            "E_DEC": [1e-5, 1e-5, 1e-5] * units.deg,
+            "Total_flux": [1e-3, 2e-3, 3e-3] * units.Jy,
+            "E_Total_flux": [1e-4, 2e-4, 3e-4] * units.Jy,
+            "DC_Maj": np.array([2.0, 0.0, 4.0]) / 3600 * units.deg,
+            "DC_Min": np.array([0.5, 0.0, 0.0]) / 3600 * units.deg,
+            "S_Code": ["S", "S", "M"],
+        }
+    )
+    catalogue = catalogue_from_table(table)
+    assert catalogue.scale_length is not None
+    np.testing.assert_allclose(
+        catalogue.scale_length, np.array([1.0, 0.0, 0.0]) / DISC_OF_ONE * ARCSEC, rtol=1e-7
+    )
+    assert catalogue.is_point is not None
+    assert catalogue.is_point.tolist() == [False, True, True]
+    np.testing.assert_allclose(catalogue.flux_err, [1e-4, 2e-4, 3e-4])
+    np.testing.assert_allclose(catalogue.position_err, np.radians(1e-5))
+
+
+def test_aegean_lists_are_recognised_and_deconvolved() -> None:
+    """A round beam of 3 arcsec; a galaxy of 4 x 2 arcsec without it, and one that the beam hides."""
+    galaxy = np.hypot([4.0, 2.0], 3.0)
+    table = Table(
+        {
+            "island": [0, 1],
+            "source": [0, 0],
+            "ra": [52.0, 52.1],
+            "dec": [-27.0, -27.1],
+            "err_ra": [1e-5, -1.0],
+            "err_dec": [1e-5, -1.0],
+            "int_flux": [1e-3, 2e-3],
+            "err_int_flux": [1e-5, -1.0],
+            "a": [galaxy[0], 3.0],
+            "b": [galaxy[1], 2.9],
+            "pa": [30.0, 0.0],
+            "psf_a": [3.0, 3.0],
+            "psf_b": [3.0, 3.0],
+            "psf_pa": [0.0, 0.0],
+            "uuid": ["one", "two"],
+        }
+    )
+    catalogue = catalogue_from_table(table)
+    assert catalogue.identifier.tolist() == ["one", "two"]
+    np.testing.assert_allclose(catalogue.flux, [1e-3, 2e-3])
+    assert catalogue.scale_length is not None
+    expected = np.array([np.sqrt(8.0), 0.0]) / DISC_OF_ONE * ARCSEC
+    np.testing.assert_allclose(catalogue.scale_length, expected, rtol=1e-7, atol=1e-20)
+    assert catalogue.is_point is not None
+    assert catalogue.is_point.tolist() == [False, True]
+    np.testing.assert_allclose(catalogue.flux_err, [1e-5, 0.0])
+
+
+def test_the_half_light_radius_of_a_disc_is_galsims() -> None:
+    galsim = pytest.importorskip("galsim")
+    disc = galsim.Exponential(scale_radius=1.0)
+    gaussian = galsim.Gaussian(half_light_radius=disc.half_light_radius)
+    assert gaussian.fwhm == pytest.approx(DISC_OF_ONE, rel=1e-5)

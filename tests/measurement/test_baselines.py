@@ -34,7 +34,8 @@ def _field(flux, uv_range):
     nowhere = np.zeros(count)
     sky = galaxies(nowhere, nowhere, flux, np.exp(size.log_median), nowhere + 0j)
     flags = np.full(count, FitFlag.OK, dtype=object)
-    return Field(nowhere, nowhere, sky, size, np.arange(count), flags, uv_range, extent)
+    every = np.arange(count)
+    return Field(nowhere, nowhere, sky, size, every, flags, uv_range, extent, nowhere, nowhere)
 
 
 def _chosen(flux=(10.0, 50.0, 200.0), longest=5e5, shortest=None, uv_min=0.0, stars=False):

@@ -15,6 +15,7 @@ from uvshear.galaxy.galaxies import Galaxies
 from uvshear.geometry.directions import PhaseCentre, direction_cosines, equatorial
 from uvshear.io.columns import Columns
 from uvshear.io.provenance import Provenance
+from uvshear.io.source_finders import in_our_columns
 from uvshear.io.tables import read_table, write_table
 from uvshear.typing import Array, Bool, Complex, Float, Shaped
 
@@ -46,6 +47,10 @@ class Catalogue:
         [rad]; None where the catalogue has none.
     ellipticity
         e1 + i e2 in the (l, m) frame, of simulated catalogues; never used to measure.
+    flux_err
+        Standard deviation of the flux [Jy], 0 where it is not known; None where the catalogue has none.
+    position_err
+        Standard deviation of the position along each axis [rad], 0 where it is not known; or None.
     is_point
         Stars and active nuclei, of no size; None where the catalogue has no column ``profile``.
     reference_frequency
@@ -63,6 +68,8 @@ class Catalogue:
     m: Float[Array, " source"] | None = None
     scale_length: Float[Array, " source"] | None = None
     ellipticity: Complex[Array, " source"] | None = None
+    flux_err: Float[Array, " source"] | None = None
+    position_err: Float[Array, " source"] | None = None
     is_point: Bool[Array, " source"] | None = None
     reference_frequency: float = REFERENCE_FREQUENCY
     field_centre: PhaseCentre | None = None
@@ -117,7 +124,7 @@ def read_catalogue(
     flux_unit: str | None = None,
     reference_frequency: float | None = None,
 ) -> Catalogue:
-    """Read a catalogue (ECSV, FITS, VOTable, CSV, ...; PyBDSF's .srl and .gaul FITS files too).
+    """Read a catalogue (ECSV, FITS, VOTable, CSV, ...; those of PyBDSF and Aegean as they are).
 
     Parameters
     ----------
@@ -142,7 +149,7 @@ def catalogue_from_table(
     """Check a table and turn it into a catalogue; ``name`` is what errors call it."""
     if len(table) == 0:
         raise InputError(f"{name}: has no rows; a catalogue of at least one source is needed")
-    columns = Columns(table, name)
+    columns = Columns(in_our_columns(table), name)
     flux = columns.number("flux", units.Jy, given=flux_unit, needs_unit=True)
     columns.require("flux", flux > 0, "a positive flux density (here in Jy) is needed", flux)
 
@@ -169,11 +176,16 @@ def catalogue_from_table(
             "e1, e2", np.abs(ellipticity) < 1, "|e| = (a-b)/(a+b) below 1 is needed", ellipticity
         )
 
+    flux_err = None
+    if columns.has("flux_err"):
+        flux_err = columns.error("flux_err", units.Jy, assumed=columns.unit_of("flux", flux_unit))
     frequency = _frequencies(columns, reference_frequency)
     common = float(frequency[0])
     return Catalogue(
         identifier=columns.identifier,
         flux=flux * (common / frequency) ** index,
+        flux_err=None if flux_err is None else flux_err * (common / frequency) ** index,
+        position_err=_position_errors(columns),
         spectral_index=index,
         scale_length=scale_length,
         ellipticity=ellipticity,
@@ -210,6 +222,14 @@ def _positions(columns: Columns) -> dict[str, Float[Array, " source"]]:
         f"{columns.name}: has no positions; columns 'ra' and 'dec' (deg), or 'l' and 'm' (rad),"
         f" are needed (it has {', '.join(columns.names)})"
     )
+
+
+def _position_errors(columns: Columns) -> Float[Array, " source"] | None:
+    """Mean of both axes' variances, if both have errors."""
+    if not (columns.has("ra_err") and columns.has("dec_err")):
+        return None
+    ra, dec = (columns.error(name, units.rad, assumed=units.deg) for name in ("ra_err", "dec_err"))
+    return np.sqrt((ra**2 + dec**2) / 2)
 
 
 def _points(columns: Columns) -> Bool[Array, " source"] | None:

@@ -1,23 +1,14 @@
 """Columns of a user's table, in SI, with errors that say which column and which row."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from astropy import units
+from astropy.coordinates import Angle
 from astropy.table import Column, MaskedColumn, Table
 
 from uvshear.errors import InputError
 from uvshear.typing import Array, Bool, Float, Shaped
-
-PYBDSF_COLUMNS: Mapping[str, str] = {
-    "Source_id": "id",
-    "Gaus_id": "id",
-    "RA": "ra",
-    "DEC": "dec",
-    "Total_flux": "flux",
-}
-"""PyBDSF's names of the columns used here; a .gaul list, of Gaussians, has both identifiers."""
 
 
 class Columns:
@@ -29,10 +20,6 @@ class Columns:
         self.names: tuple[str, ...] = tuple(table.colnames)
         self._spelling = {known.lower(): known for known in reversed(self.names)}
         self._spelling |= {known: known for known in self.names}
-        if {"RA", "DEC", "Total_flux"} <= set(self.names):
-            self._spelling |= {
-                ours: theirs for theirs, ours in PYBDSF_COLUMNS.items() if theirs in self.names
-            }
         self.identifier = self._identifiers()
 
     @property
@@ -66,6 +53,8 @@ class Columns:
                 f"{self.name}: has no column '{column}' (it has {', '.join(self.names)})"
             )
         values = self.table[self._spelling[column]]
+        if values.dtype.kind in "US" and unit == units.rad:
+            values = _angles(values, column)
         try:
             plain: Array = np.ma.filled(np.ma.asarray(values, dtype=float), np.nan)
         except (TypeError, ValueError) as error:
@@ -80,6 +69,20 @@ class Columns:
         self.require(column, np.isfinite(plain), "a finite number is needed", plain)
         return plain
 
+    def error(
+        self, column: str, unit: units.UnitBase, *, assumed: units.UnitBase
+    ) -> Float[Array, " source"]:
+        """Errors in ``unit``; 0 where a finder gives none, or a number that says so (-1)."""
+        values = self.table[self._spelling[column]]
+        plain: Array = np.ma.filled(np.ma.asarray(values, dtype=float), 0.0)
+        factor = self._factor(column, values, unit, None, assumed, needs_unit=False)
+        return np.where(np.isfinite(plain) & (plain > 0), plain, 0.0) * factor
+
+    def unit_of(self, column: str, given: str | None) -> units.UnitBase:
+        """Return the unit of a column that has been read: its own, or what was given for it."""
+        found = self.table[self._spelling[column]].unit
+        return units.Unit(given if found is None or str(found).strip() == "" else found)
+
     def _factor(
         self,
         column: str,
@@ -87,7 +90,7 @@ class Columns:
         unit: units.UnitBase,
         given: str | None,
         assumed: units.UnitBase | None,
-        needs_unit: bool,
+        needs_unit: bool = False,
     ) -> float:
         found = values.unit
         if found is None or str(found).strip() == "":
@@ -147,3 +150,16 @@ class Columns:
                 f" {count[np.argmax(count > 1)]} times; every source needs its own id"
             )
         return identifier
+
+
+def _angles(texts: Column, column: str) -> Column:
+    """Angles written out, such as 03h28m12.6s and -27:35:15; right ascensions without letters are in hours."""
+    if not any(mark in str(texts[0]) for mark in ":hmd "):
+        return texts
+    unit = units.hourangle if column == "ra" else units.deg
+    try:
+        degrees = Angle([str(text) for text in texts], unit=unit).to_value(units.deg)
+    except (ValueError, TypeError, units.UnitsError):
+        # What is wrong is said by whoever wants numbers.
+        return texts
+    return Column(degrees, unit=units.deg)

@@ -62,7 +62,7 @@ ROUGH = 0.3
 """Change that counts as none after the first visit: what is left undone is more than that."""
 
 ASTROMETRY = 0.3
-"""Standard deviation of the catalogue's positions over the median scale length, for the sky model and unless given:
+"""Standard deviation of the catalogue's positions over the median scale length, for the sky model and unless known:
 loose for a source that can be measured, tight enough to keep neighbours from changing places."""
 
 ERROR, FINEST = 0.1, 1e-5
@@ -233,14 +233,17 @@ class _Run:
         population = math.sqrt(options.population.population_variance)
         sources: list[ModelledSource] = []
         for k, member in enumerate(self._members.tolist()):
-            given = options.position_radius
+            flux, given = self._expected[k].flux, options.position_radius
             sigma = ASTROMETRY * median[k] if given is None else given / 2
+            # Errors of the catalogue itself are better known.
+            sigma = field.position_err[member] or sigma
+            flux_sigma = field.flux_err[member] * self._common[k] or PHOTOMETRY * flux
             prior = replace(
                 field.prior(member, options.position_radius, options.ellipticity),
                 ellipticity_sigma=population,
                 position_sigma=sigma,
-                flux=self._expected[k].flux,
-                flux_sigma=PHOTOMETRY * self._expected[k].flux,
+                flux=flux,
+                flux_sigma=flux_sigma,
             )
             kind = GalaxySource if self._is_galaxy[k] else PointSource
             sources.append(kind(prior, options.profile, self._expected[k]))

@@ -32,6 +32,8 @@ class Field:
         Baselines that take part, the longest finite.
     extent
         What the observation holds.
+    flux_err, position_err
+        Errors of the catalogue's fluxes [Jy] and positions along each axis [rad], 0 where they are not known.
     """
 
     l: Float[Array, " source"]
@@ -42,6 +44,8 @@ class Field:
     flags: Shaped[Array, " source"]
     uv_range: UvRange
     extent: Extent
+    flux_err: Float[Array, " source"]
+    position_err: Float[Array, " source"]
 
     @property
     def measured(self) -> Int[Array, " member"]:

@@ -1,0 +1,139 @@
+"""Catalogues as source finders write them, in the columns that this package knows.
+
+What a finder fits is a Gaussian in an image. Its size without the beam's says how large a disc is: both have half of
+their flux inside the half-light radius, FWHM/2 of a Gaussian and 1.678 scale lengths of an exponential disc. A source
+that the finder does not resolve is a point.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+
+import numpy as np
+from astropy import units
+from astropy.table import Column, MaskedColumn, Table
+
+from uvshear.typing import Array, Float
+
+FWHM_OF_SCALE_LENGTH = 2 * 1.6783469900166605
+"""Full width at half maximum of a Gaussian over the scale length of a disc of the same half-light radius."""
+
+
+@dataclass(frozen=True)
+class SourceFinder(ABC):
+    """A finder: how its tables are told, and what its columns are.
+
+    Parameters
+    ----------
+    signature
+        Columns that its tables have and others have not.
+    columns
+        Our name of each of its columns, and the unit where a file gives none.
+    """
+
+    signature: frozenset[str]
+    columns: dict[str, tuple[str, units.UnitBase | None]] = field(default_factory=dict)
+
+    def writes(self, table: Table) -> bool:
+        """Whether it is one of its tables."""
+        return self.signature <= set(table.colnames)
+
+    def translated(self, table: Table) -> Table:
+        """Return the table in our columns."""
+        found = Table(meta=table.meta)
+        for theirs, (ours, unit) in self.columns.items():
+            if theirs in table.colnames:
+                column = table[theirs].copy()
+                if column.unit is None or str(column.unit).strip() == "":
+                    column.unit = unit
+                found[ours] = column
+        width = self.deconvolved(table)
+        if width is not None:
+            found["scale_length"] = Column(width / FWHM_OF_SCALE_LENGTH, unit="arcsec")
+            found["profile"] = np.where(width > 0, "galaxy", "point")
+        return found
+
+    @abstractmethod
+    def deconvolved(self, table: Table) -> Float[Array, " source"] | None:
+        """Return the geometric mean of the FWHM without the beam [arcsec], 0 if not resolved; None without sizes."""
+
+
+class PyBDSF(SourceFinder):
+    """Source lists (.srl) and lists of Gaussians (.gaul) of PyBDSF."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            frozenset({"RA", "DEC", "Total_flux"}),
+            {
+                "Source_id": ("id", None),
+                "Gaus_id": ("id", None),
+                "RA": ("ra", units.deg),
+                "DEC": ("dec", units.deg),
+                "E_RA": ("ra_err", units.deg),
+                "E_DEC": ("dec_err", units.deg),
+                "Total_flux": ("flux", None),
+                "E_Total_flux": ("flux_err", None),
+            },
+        )
+
+    def deconvolved(self, table: Table) -> Float[Array, " source"] | None:
+        """Its own deconvolution, DC_Maj and DC_Min."""
+        if not {"DC_Maj", "DC_Min"} <= set(table.colnames):
+            return None
+        axes = [_in_arcsec(table["DC_Maj"], units.deg), _in_arcsec(table["DC_Min"], units.deg)]
+        return np.sqrt(np.prod(axes, axis=0))
+
+
+class Aegean(SourceFinder):
+    """Component catalogues of Aegean."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            frozenset({"island", "source", "int_flux", "ra", "dec", "psf_a", "psf_b"}),
+            {
+                "uuid": ("id", None),
+                "ra": ("ra", units.deg),
+                "dec": ("dec", units.deg),
+                "err_ra": ("ra_err", units.deg),
+                "err_dec": ("dec_err", units.deg),
+                "int_flux": ("flux", units.Jy),
+                "err_int_flux": ("flux_err", units.Jy),
+            },
+        )
+
+    def deconvolved(self, table: Table) -> Float[Array, " source"]:
+        """Of the fitted a, b, pa and the beam's psf_a, psf_b, psf_pa."""
+        fitted, beam = (
+            _covariance(*(table[f"{prefix}{name}"] for name in ("a", "b", "pa")))
+            for prefix in ("", "psf_")
+        )
+        left = fitted - beam
+        determinant = np.linalg.det(left)
+        is_resolved = (determinant > 0) & (np.trace(left, axis1=1, axis2=2) > 0)
+        return np.where(is_resolved, np.abs(determinant), 0.0) ** 0.25
+
+
+SOURCE_FINDERS: tuple[SourceFinder, ...] = (PyBDSF(), Aegean())
+
+
+def in_our_columns(table: Table) -> Table:
+    """Return a source finder's table in the columns that this package knows, any other as it is."""
+    for finder in SOURCE_FINDERS:
+        if finder.writes(table):
+            return finder.translated(table)
+    return table
+
+
+def _in_arcsec(column: Column, assumed: units.UnitBase) -> Float[Array, " source"]:
+    unit = column.unit or assumed
+    values = column.filled(np.nan) if isinstance(column, MaskedColumn) else column
+    return np.asarray(values, float) * float(units.Unit(unit).to(units.arcsec))
+
+
+def _covariance(a: Column, b: Column, angle: Column) -> Float[Array, "source 2 2"]:
+    """Squares of the axes [arcsec^2] in the axes North and East."""
+    first, second = (_in_arcsec(axis, units.arcsec) for axis in (a, b))
+    turn = np.radians(np.asarray(angle, float))
+    along = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    across = np.stack([-np.sin(turn), np.cos(turn)], axis=-1)
+    long, short = (np.einsum("si,sj->sij", way, way) for way in (along, across))
+    return (first**2)[:, None, None] * long + (second**2)[:, None, None] * short
