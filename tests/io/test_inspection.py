@@ -9,6 +9,7 @@ from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.errors import InputError
 from uvshear.io.inspection import inspect
 from uvshear.io.measurement_set import MeasurementSet
+from uvshear.io.observations import Reading
 
 
 def test_what_was_written_is_found(tmp_path):
@@ -43,7 +44,7 @@ def test_all_fields_are_looked_at(tmp_path):
     assert (first.name, second.name) == ("simulated", "calibrator")
     assert second.counts.rows == 100
     assert first.counts.rows == len(simulated().coverage) - 100
-    assert [one.name for one in inspect(path, field="calibrator").fields] == ["calibrator"]
+    assert [one.name for one in inspect(path, Reading(field="calibrator")).fields] == ["calibrator"]
 
 
 def test_a_set_of_flags_alone_is_looked_at_too(tmp_path):

@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uvshear.cli.options import field_of
+from uvshear.cli.reading import (
+    ColumnOption,
+    ConjugateOption,
+    FieldOption,
+    ScansOption,
+    reading_of,
+)
 from uvshear.cli.terminal import show_facts, warn
 
 if TYPE_CHECKING:
@@ -26,17 +32,18 @@ def info(
     measurement_sets: Annotated[
         list[Path], typer.Argument(metavar="FIELD.ms...", help="Sets to look at.")
     ],
-    column: Annotated[str, typer.Option(help="Column of visibilities.")] = "DATA",
-    field: Annotated[
-        str | None, typer.Option(help="Field (name or number); by default all of them.")
-    ] = None,
+    column: ColumnOption = "DATA",
+    field: FieldOption = None,
+    scans: ScansOption = None,
+    conjugate: ConjugateOption = False,
 ) -> None:
     """Print what a Measurement Set holds: array, fields, frequencies, flags, uv range, noise against the weights."""
     from uvshear.io.inspection import inspect
     from uvshear.io.remarks import remarks_on
 
+    reading = reading_of(column, field, scans, conjugates=conjugate)
     for path in measurement_sets:
-        seen = inspect(path, column, field_of(field))
+        seen = inspect(path, reading)
         show_facts(str(path), _facts_of_set(seen))
         for one in seen.fields:
             title = f"field {one.data.header.field_id} {one.name}"

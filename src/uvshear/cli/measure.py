@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uvshear.cli.beams import BeamName, PrimaryBeamOption, beam_of
+from uvshear.cli.extractions import ExtractionName, FacetName, extraction_of, statistics_of
 from uvshear.cli.options import (
     Output,
     Overwrite,
     Threads,
-    field_of,
     non_negative,
     positive,
     provenance,
@@ -20,6 +20,13 @@ from uvshear.cli.options import (
     uv_range_of,
 )
 from uvshear.cli.profiles import ProfileName, profile_of
+from uvshear.cli.reading import (
+    ColumnOption,
+    ConjugateOption,
+    FieldOption,
+    ScansOption,
+    reading_of,
+)
 from uvshear.cli.terminal import progress_bar, say, shorten, warn
 from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
@@ -28,9 +35,10 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from uvshear.extraction.residual_image import DirtyAndResidual
-    from uvshear.galaxy import Profile
-    from uvshear.measurement import Extraction
-    from uvshear.measurement.keep import Statistic
+    from uvshear.galaxy import SizeModel
+    from uvshear.interferometer.visibilities import Observation
+    from uvshear.io.catalogue import Catalogue
+    from uvshear.io.observations import Reading
 
 EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits -o SHAPES.fits"
 
@@ -39,18 +47,11 @@ RELEASED = 0.5
 """Move of a released sky, over the noise, above which the user is warned."""
 
 
-class ExtractionName(StrEnum):
-    """How sources are told apart."""
+class NoiseName(StrEnum):
+    """Where the noise of a visibility comes from."""
 
-    CONVERGED = "converged"
-    PAPER = "paper"
-
-
-class FacetName(StrEnum):
-    """How a facet is made."""
-
-    EXACT = "exact"
-    CELL_AVERAGE = "cell-average"
+    WEIGHTS = "weights"
+    DATA = "data"
 
 
 class SizePriorName(StrEnum):
@@ -105,10 +106,14 @@ def measure(
         int | None,
         typer.Option(callback=positive, help="Passes over the sources; paper only, there 1."),
     ] = None,
-    column: Annotated[str, typer.Option(help="Column of visibilities.")] = "DATA",
-    field: Annotated[
-        str | None, typer.Option(help="Field (name or number), where a set holds several.")
-    ] = None,
+    column: ColumnOption = "DATA",
+    field: FieldOption = None,
+    scans: ScansOption = None,
+    conjugate: ConjugateOption = False,
+    noise: Annotated[
+        NoiseName,
+        typer.Option(help="By the weights, or by the data: weights scaled to their scatter."),
+    ] = NoiseName.WEIGHTS,
     ignore_flags: Annotated[
         bool, typer.Option("--ignore-flags", help="Take flagged visibilities too, for a look.")
     ] = False,
@@ -176,10 +181,9 @@ def measure(
     statistics = statistics_of(keep, extraction, profile_of(profile))
 
     from uvshear.constants import ARCSEC
-    from uvshear.galaxy import CatalogueSize, SizeFluxRelation
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.images import write_residual_image
-    from uvshear.io.observations import dish_diameters, open_observation
+    from uvshear.io.observations import dish_diameters
     from uvshear.io.outputs import check_file
     from uvshear.io.shapes import write_shapes
     from uvshear.io.statistics import keep_statistics, statistics_path
@@ -197,17 +201,12 @@ def measure(
         check_residual_image(residual_image, output, catalogue, overwrite=overwrite)
     frequency = None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6
     sources = read_catalogue(catalogue, flux_unit=flux_unit, reference_frequency=frequency)
-    if size_prior is SizePriorName.CATALOGUE and sources.scale_length is None:
-        raise InputError(
-            f"{catalogue}: has no column 'scale_length', which --size-prior catalogue needs"
-        )
-    observation = open_observation(
-        measurement_sets, column, field_of(field), heeds_flags=not ignore_flags
-    )
+    reading = reading_of(column, field, scans, conjugates=conjugate, heeds_flags=not ignore_flags)
+    observation = observed(measurement_sets, reading, noise)
     options = MeasurementOptions(
         extraction=way,
         profile=profile_of(profile),
-        size=SizeFluxRelation() if size_prior is SizePriorName.FLUX else CatalogueSize(),
+        size=size_of(size_prior, sources, catalogue),
         uv_range=uv_range,
         smears=smearing,
         primary_beam=beam_of(
@@ -229,7 +228,7 @@ def measure(
     write_shapes(output, shapes, overwrite=overwrite)
     columns = tuple(name for one in statistics for name in one.columns)
     keep_statistics(output, shapes["id"], columns, extracted.kept, overwrite=overwrite)
-    tell_remarks(measurement_sets, column, field_of(field))
+    tell_remarks(measurement_sets, reading)
     measured = sum(flag == "ok" for flag in shapes["flag"])
     say(f"{output}: {measured} of {len(shapes)} sources measured")
     tell_convergence(extracted.record)
@@ -242,37 +241,37 @@ def measure(
         _draw(images, shorten(measurement_sets[0].name), residual_image, overwrite=overwrite)
 
 
-def tell_remarks(paths: list[Path], column: str, field: int | str | None) -> None:
+def observed(paths: list[Path], reading: "Reading", noise: NoiseName) -> "Observation":
+    """Open the sets, with the noise that is asked for."""
+    from uvshear.interferometer.noise_estimate import scaled_to_its_noise
+    from uvshear.io.observations import open_observation
+
+    observation = open_observation(paths, reading)
+    return observation if noise is NoiseName.WEIGHTS else scaled_to_its_noise(observation)
+
+
+def size_of(name: SizePriorName, sources: "Catalogue", path: Path) -> "SizeModel":
+    """Return where the prior of the size comes from, if it is there."""
+    from uvshear.galaxy import CatalogueSize, SizeFluxRelation
+
+    if name is SizePriorName.FLUX:
+        return SizeFluxRelation()
+    if sources.scale_length is None:
+        raise InputError(
+            f"{path}: has no column 'scale_length', which --size-prior catalogue needs"
+        )
+    return CatalogueSize()
+
+
+def tell_remarks(paths: list[Path], reading: "Reading") -> None:
     """Say what a user should know of sets that are measured all the same."""
     from uvshear.io.inspection import inspect
     from uvshear.io.remarks import remarks_on
 
     for path in paths:
-        for content in inspect(path, column, field).fields:
+        for content in inspect(path, reading).fields:
             for remark in remarks_on(content):
                 warn(remark)
-
-
-def statistics_of(
-    keep: str | None, extraction: ExtractionName, profile: "Profile"
-) -> "tuple[Statistic, ...]":
-    """Return the statistics of names joined by commas; likelihoods are of the ``profile``."""
-    from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic
-    from uvshear.measurement.metacal import MetacalStatistic
-
-    if keep is None:
-        return ()
-    if extraction is not ExtractionName.CONVERGED:
-        raise InputError(f"--keep {keep}: only --extraction converged keeps statistics")
-    known: dict[str, Statistic] = {
-        "likelihood": LikelihoodStatistic(profile),
-        "moments": MomentStatistic(),
-        "metacal": MetacalStatistic(profile),
-    }
-    for name in keep.split(","):
-        if name not in known:
-            raise InputError(f"--keep {keep}: '{name}' is not known; {', '.join(known)} are")
-    return tuple(one for name, one in known.items() if name in keep.split(","))
 
 
 def _draw(images: "DirtyAndResidual", title: str, path: Path, *, overwrite: bool) -> None:
@@ -322,49 +321,3 @@ def tell_convergence(record: "Mapping[str, object]") -> None:
             f"the sky without priors, which what is kept is of, still moved by {released[-1]:.2g} of the noise (rms):"
             " take shears from it with care"
         )
-
-
-def extraction_of(
-    name: ExtractionName,
-    facet: FacetName | None,
-    facet_size: float | None,
-    rounds: int | None,
-    uv_min: float | None = None,
-) -> "Extraction":
-    """Return the way of telling sources apart; facets are ``facet_size`` scale lengths wide, if given."""
-    if name is ExtractionName.CONVERGED:
-        if facet is FacetName.CELL_AVERAGE:
-            raise InputError(
-                "--extraction converged --facet cell-average: its facets are exact;"
-                " --extraction paper is needed, or --facet exact"
-            )
-        if rounds is not None:
-            raise InputError(
-                f"--extraction converged --rounds {rounds}: it goes on until nothing changes;"
-                " --extraction paper is needed, or no --rounds"
-            )
-        return _converged(facet_size, uv_min)
-    return _paper(facet or FacetName.CELL_AVERAGE, facet_size, rounds or 1)
-
-
-def _converged(facet_size: float | None, uv_min: float | None) -> "Extraction":
-    from uvshear.measurement import ConvergedExtraction
-
-    # A shortest baseline that is asked for, 0 too, is taken at its word.
-    usual = ConvergedExtraction()
-    return ConvergedExtraction(
-        scale_lengths=usual.scale_lengths if facet_size is None else facet_size,
-        shortest=usual.shortest if uv_min is None else uv_min,
-    )
-
-
-def _paper(facet: FacetName, facet_size: float | None, rounds: int) -> "Extraction":
-    from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
-    from uvshear.extraction.exact import ExactFacets
-    from uvshear.measurement import PaperExtraction
-
-    if facet is FacetName.EXACT:
-        exact = ExactFacets() if facet_size is None else ExactFacets(facet_size)
-        return PaperExtraction(exact, rounds)
-    rule = PaperTable() if facet_size is None else ScaleLengths(facet_size)
-    return PaperExtraction(CellAverageFacets(rule), rounds)

@@ -143,8 +143,3 @@ def uv_range_of(uv_min: float, uv_max: float | None) -> "UvRange":
     if uv_max is not None and uv_min >= uv_max:
         raise InputError(f"--uv-min {uv_min:g} --uv-max {uv_max:g}: uv-min < uv-max is needed")
     return UvRange(uv_min, float("inf") if uv_max is None else uv_max)
-
-
-def field_of(field: str | None) -> int | str | None:
-    """Take a number for a field's id, anything else for its name."""
-    return int(field) if field is not None and field.isdecimal() else field

@@ -9,11 +9,17 @@ import typer
 from uvshear.cli.options import (
     Overwrite,
     Threads,
-    field_of,
     non_negative,
     positive,
     thread_count,
     uv_range_of,
+)
+from uvshear.cli.reading import (
+    ColumnOption,
+    ConjugateOption,
+    FieldOption,
+    ScansOption,
+    reading_of,
 )
 from uvshear.cli.terminal import say, shorten, show_table
 from uvshear.errors import InputError
@@ -49,10 +55,10 @@ def psf(
     uv_max: Annotated[
         float | None, typer.Option(callback=positive, help="Longest baseline used [wavelengths].")
     ] = None,
-    column: Annotated[str, typer.Option(help="Column of visibilities.")] = "DATA",
-    field: Annotated[
-        str | None, typer.Option(help="Field (name or number), where a set holds several.")
-    ] = None,
+    column: ColumnOption = "DATA",
+    field: FieldOption = None,
+    scans: ScansOption = None,
+    conjugate: ConjugateOption = False,
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
@@ -79,7 +85,8 @@ def psf(
             f"--weight-sigma-arcsec {weight_sigma_arcsec:g} --pixel-arcsec {pixel_arcsec:g}:"
             f" an image of {size} pixels; pixels of sigma/5 or so are needed"
         )
-    observation = open_observation(measurement_sets, column, field_of(field))
+    reading = reading_of(column, field, scans, conjugates=conjugate)
+    observation = open_observation(measurement_sets, reading)
     pixel = pixel_arcsec * ARCSEC
     image = point_spread_function(
         observation, ImageGrid(size, pixel), uv_range, threads=thread_count(threads)

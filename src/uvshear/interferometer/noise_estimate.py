@@ -1,9 +1,13 @@
 """How large the noise of visibilities is, by the visibilities themselves, against what their weights say."""
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from uvshear.errors import InputError
+from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.typing import Array, Float
 
@@ -38,6 +42,36 @@ def noise_over_weights(observation: Observation) -> float | None:
         if count >= FEWEST_PAIRS
     ]
     return math.sqrt(min(medians) / (2 * math.log(2))) if medians else None
+
+
+@dataclass(frozen=True)
+class ScaledObservation:
+    """An observation with weights of another noise."""
+
+    observation: Observation
+    noise: float
+
+    @property
+    def phase_centre(self) -> PhaseCentre:
+        """Direction of l = m = 0."""
+        return self.observation.phase_centre
+
+    def chunks(self) -> Iterator[Visibilities]:
+        """Read everything once."""
+        for chunk in self.observation.chunks():
+            weights = (chunk.weights / self.noise**2).astype(chunk.weights.dtype)
+            yield replace(chunk, weights=weights)
+
+
+def scaled_to_its_noise(observation: Observation) -> ScaledObservation:
+    """Return an observation whose weights say how large its noise is, which is read for it."""
+    ratio = noise_over_weights(observation)
+    if not ratio:
+        raise InputError(
+            "--noise data: neighbouring samples do not tell the noise (too few of them, or none at all);"
+            " --noise weights is needed"
+        )
+    return ScaledObservation(observation, ratio)
 
 
 def _of_channels(seen: Visibilities) -> Float[Array, " pair"]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,7 @@ from uvshear.io.measurement_set_header import (
     open_table,
     visibility_columns,
 )
+from uvshear.io.observations import Reading
 from uvshear.io.uvw_sign import uvw_sign_agrees
 
 CORRELATIONS = {1: "I", 5: "RR", 6: "RL", 7: "LR", 8: "LL", 9: "XX", 10: "XY", 11: "YX", 12: "YY"}
@@ -57,7 +58,7 @@ class FieldContent:
     noise_over_weights
         Standard deviation of the noise over what the weights say; None where nothing tells.
     uvw_agrees
-        Whether UVW is X(ANTENNA1) - X(ANTENNA2) by the antennas' positions; None if neither sign fits.
+        Whether UVW, as it is read, is X(ANTENNA1) - X(ANTENNA2) by the antennas' positions; None if neither sign fits.
     """
 
     data: MeasurementSet
@@ -81,23 +82,24 @@ class Inspection:
     fields: tuple[FieldContent, ...]
 
 
-def inspect(path: Path, column: str = "DATA", field: int | str | None = None) -> Inspection:
+def inspect(path: Path, reading: Reading | None = None) -> Inspection:
     """Read a set, all of its fields unless one is chosen."""
+    reading = reading or Reading()
     check_is_measurement_set(path)
     with open_table(path) as main, casacore_errors(path, "FIELD_ID"):
         columns = visibility_columns(main)
         present = fields_present(path, main)
-    chosen = present if field is None else [field]
+    chosen = present if reading.field is None else [reading.field]
     return Inspection(
         _telescope(path),
         columns,
         _correlations(path),
-        tuple(_content(MeasurementSet(path, column, one), present) for one in chosen),
+        tuple(_content(replace(reading, field=one).open(path), present) for one in chosen),
     )
 
 
 def _content(data: MeasurementSet, names: Mapping[int, str | None]) -> FieldContent:
-    path, counts = Path(data.path), MeasurementSetSummary()
+    counts = MeasurementSetSummary()
     ranges = {name: [math.inf, -math.inf] for name in ("time", "interval", "baseline", "uv")}
 
     def widen(name: str, values: np.ndarray) -> None:
@@ -126,8 +128,13 @@ def _content(data: MeasurementSet, names: Mapping[int, str | None]) -> FieldCont
         baseline,
         uv_distance,
         noise_over_weights(data) if counts.usable else None,
-        uvw_sign_agrees(path, data.column, data.header.field_id),
+        _agrees(data),
     )
+
+
+def _agrees(data: MeasurementSet) -> bool | None:
+    stored = uvw_sign_agrees(data.path, data.column, data.header.field_id)
+    return stored if stored is None else stored is not data.conjugates
 
 
 def _telescope(path: Path) -> Telescope:

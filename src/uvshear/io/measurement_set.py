@@ -19,6 +19,7 @@ from uvshear.io.measurement_set_header import (
     DataDescription,
     Header,
     casacore_errors,
+    check_scans,
     open_table,
     read_header,
 )
@@ -91,6 +92,10 @@ class MeasurementSet:
         Size of a chunk's buffers, whatever the number of rows [bytes].
     heeds_flags
         False takes flagged visibilities too: for a look at a set whose flags are wrong.
+    scans
+        SCAN_NUMBERs to read; all unless given.
+    conjugates
+        Take UVW with the other sign: of a set whose visibilities do not follow it.
     """
 
     path: str | Path
@@ -98,10 +103,14 @@ class MeasurementSet:
     field: int | str | None = None
     memory: int = 2**25
     heeds_flags: bool = True
+    scans: tuple[int, ...] | None = None
+    conjugates: bool = False
     header: Header = dataclasses.field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         header = read_header(Path(self.path), self.column, self.field)
+        if self.scans is not None:
+            check_scans(Path(self.path), self.scans)
         object.__setattr__(self, "header", header)
 
     @property
@@ -147,7 +156,7 @@ class MeasurementSet:
         """Read everything once, chunks without any cross-correlation too, and count what is in each."""
         path = Path(self.path)
         with open_table(path) as main, casacore_errors(path, f"column {self.column}"):
-            reader = _Reader(main, self.column, self.header, heeds_flags=self.heeds_flags)
+            reader = _Reader(main, self)
             for start in range(0, self.header.rows, self.rows_per_chunk):
                 count = min(self.rows_per_chunk, self.header.rows - start)
                 for description, rows in reader.split(start, count):
@@ -157,14 +166,11 @@ class MeasurementSet:
 class _Reader:
     """One pass over an open table, with buffers used again from chunk to chunk."""
 
-    def __init__(
-        self, main: tables.table, column: str, header: Header, *, heeds_flags: bool
-    ) -> None:
-        self.main = main
-        self.column = column
-        self.header = header
-        self.heeds_flags = heeds_flags
-        self.dtype = np.dtype("c16" if main.coldatatype(column) == "dcomplex" else "c8")
+    def __init__(self, main: tables.table, one: MeasurementSet) -> None:
+        self.main, self.column, self.header = main, one.column, one.header
+        self.heeds_flags, self.scans = one.heeds_flags, one.scans
+        self.sign = -1.0 if one.conjugates else 1.0
+        self.dtype = np.dtype("c16" if main.coldatatype(one.column) == "dcomplex" else "c8")
         self.has_flag_row = "FLAG_ROW" in main.colnames()
         self.buffers: dict[str, Array] = {}
 
@@ -173,6 +179,9 @@ class _Reader:
         rows = np.arange(start, start + count)
         if not self.header.is_only_field:
             rows = rows[self.main.getcol("FIELD_ID", start, count) == self.header.field_id]
+        if self.scans is not None:
+            scans = self.main.getcol("SCAN_NUMBER", start, count)[rows - start]
+            rows = rows[np.isin(scans, self.scans)]
         if len(self.header.descriptions) == 1:
             identifiers = np.zeros(len(rows), dtype=int)
         else:
@@ -200,6 +209,7 @@ class _Reader:
         weights = self._weights(table, start, shape)
         uvw = np.empty((count, 3))
         table.getcolnp("UVW", uvw, start, count)
+        uvw *= self.sign
         nowhere = ~np.isfinite(uvw).all(axis=1)
         uvw[nowhere], correlations[nowhere] = 0.0, np.nan  # counted as not finite, and left out
         integrations = self._integrations(table, start, count)

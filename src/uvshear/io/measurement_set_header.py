@@ -1,7 +1,7 @@
 """What stands in a Measurement Set's subtables, checked: everything but the rows."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -193,6 +193,17 @@ def _choose_field(path: Path, main: tables.table, field: int | str | None) -> tu
     if present[chosen] is None:
         raise InputError(f"{path}: FIELD_ID {chosen} has no row in FIELD, so no phase centre")
     return chosen, len(present) == 1
+
+
+def check_scans(path: Path, scans: Sequence[int]) -> None:
+    """Refuse scans that have no rows."""
+    present: set[int] = set()
+    with open_table(path) as main, casacore_errors(path, "SCAN_NUMBER"):
+        for start in range(0, main.nrows(), ROWS_SCANNED):
+            present |= set(np.unique(main.getcol("SCAN_NUMBER", start, ROWS_SCANNED)).tolist())
+    if absent := sorted(set(scans) - present):
+        known = ", ".join(str(scan) for scan in sorted(present))
+        raise InputError(f"{path}: no rows of scan {absent[0]}; there are {known}")
 
 
 def _phase_centre(path: Path, field: int) -> PhaseCentre:

@@ -32,13 +32,29 @@ class JointObservation:
             yield from part.chunks()
 
 
-def open_observation(
-    paths: Sequence[Path],
-    column: str = "DATA",
-    field: int | str | None = None,
-    *,
-    heeds_flags: bool = True,
-) -> Observation:
+@dataclass(frozen=True)
+class Reading:
+    """Which visibilities of a set are read, and how; as :class:`MeasurementSet` has it."""
+
+    column: str = "DATA"
+    field: int | str | None = None
+    scans: tuple[int, ...] | None = None
+    heeds_flags: bool = True
+    conjugates: bool = False
+
+    def open(self, path: Path) -> MeasurementSet:
+        """Open a set."""
+        return MeasurementSet(
+            path,
+            column=self.column,
+            field=self.field,
+            heeds_flags=self.heeds_flags,
+            scans=self.scans,
+            conjugates=self.conjugates,
+        )
+
+
+def open_observation(paths: Sequence[Path], reading: Reading | None = None) -> Observation:
     """Open one or more Measurement Sets of the same phase centre."""
     if not paths:
         raise InputError("no Measurement Set is given; one or more are needed")
@@ -46,9 +62,8 @@ def open_observation(
     for index, path in enumerate(resolved):
         if path in resolved[:index]:
             raise InputError(f"{paths[index]}: is given twice; its visibilities would count twice")
-    parts = tuple(
-        MeasurementSet(path, column=column, field=field, heeds_flags=heeds_flags) for path in paths
-    )
+    reading = reading or Reading()
+    parts = tuple(reading.open(path) for path in paths)
     first = parts[0].phase_centre
     for path, part in zip(paths[1:], parts[1:], strict=True):
         other = part.phase_centre

@@ -1,0 +1,58 @@
+"""Options that say which visibilities of Measurement Sets are read, for the commands that read them."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uvshear.errors import InputError
+
+if TYPE_CHECKING:
+    from uvshear.io.observations import Reading
+
+ColumnOption = Annotated[str, typer.Option("--column", help="Column of visibilities.")]
+FieldOption = Annotated[
+    str | None, typer.Option("--field", help="Field (name or number), where a set holds several.")
+]
+ScansOption = Annotated[
+    str | None,
+    typer.Option("--scans", help="Scans to read, such as 3,5-8; all of them unless given."),
+]
+ConjugateOption = Annotated[
+    bool,
+    typer.Option(
+        "--conjugate", help="Take UVW with the other sign, of a set that mirrors the sky."
+    ),
+]
+
+
+def reading_of(
+    column: str,
+    field: str | None,
+    scans: str | None,
+    *,
+    conjugates: bool,
+    heeds_flags: bool = True,
+) -> "Reading":
+    """Put the options together; a number is a field's id, anything else its name."""
+    from uvshear.io.observations import Reading
+
+    chosen = int(field) if field is not None and field.isdecimal() else field
+    return Reading(
+        column,
+        chosen,
+        None if scans is None else scans_of(scans),
+        heeds_flags=heeds_flags,
+        conjugates=conjugates,
+    )
+
+
+def scans_of(text: str) -> tuple[int, ...]:
+    """Numbers and ranges of numbers, joined by commas."""
+    scans: list[int] = []
+    for part in text.split(","):
+        first, _, last = part.strip().partition("-")
+        if not first.isdecimal() or not (last.isdecimal() or last == ""):
+            raise InputError(f"--scans {text}: numbers and ranges such as 3,5-8 are needed")
+        scans += range(int(first), int(last or first) + 1)
+    return tuple(sorted(set(scans)))
