@@ -134,8 +134,10 @@ def test_the_spectral_window_is_the_channels(path):
     channels = simulated().channels
     with _table(path, "SPECTRAL_WINDOW") as window:
         np.testing.assert_array_equal(window.getcell("CHAN_FREQ", 0), channels.frequency)
-        for column in ("CHAN_WIDTH", "EFFECTIVE_BW", "RESOLUTION"):
+        for column in ("CHAN_WIDTH", "RESOLUTION"):
             np.testing.assert_array_equal(window.getcell(column, 0), channels.width)
+        # nothing was averaged over
+        np.testing.assert_array_equal(window.getcell("EFFECTIVE_BW", 0), 0.0)
         assert window.getcell("NUM_CHAN", 0) == 4
         assert window.getcell("TOTAL_BANDWIDTH", 0) == pytest.approx(240e6)
         assert window.getcell("REF_FREQUENCY", 0) == channels.frequency[0]
