@@ -23,7 +23,7 @@ def main() -> None:
             one = table[table["estimator"] == name]
             # side by side, or the error bars hide one another
             axes.errorbar(
-                np.asarray(one["density"]) * 1.02 ** (k - 1),
+                np.asarray(one["density"]) * 1.04 ** (k - 1),
                 1e3 * one[f"c{i}"],
                 1e3 * one[f"c{i}_err"],
                 marker=mark,

@@ -103,6 +103,12 @@ def test_a_few_places_make_those_of_a_tile(attenuation):
     assert terms <= 20
 
 
+def test_a_band_without_probes_asks_all_of_them():
+    sky = _sky([-0.7, 0.2, 1.0])
+    response = Response.of(sky, _samples(300))
+    assert len(response.shared(sky, 1e9, 2e9).chosen) == len(response.shared(sky, 0, np.inf).chosen)
+
+
 def test_strengths_are_what_is_left_of_a_flux():
     sky = _sky([-0.7, -0.7, 0.2], l=0.008)
     probes = _samples(3000)

@@ -21,6 +21,7 @@ TOLERANCE = 1e-4
 
 
 _NEGLIGIBLE = 1e-5
+_FEWEST = 64
 _OUTERMOST = 8
 """Sources that are asked how much is lost at all."""
 
@@ -135,7 +136,9 @@ class Response:
         probes = self._need_probes()
         distance = probes.uv_distance
         chosen = np.flatnonzero((distance >= shortest) & (distance < longest))
-        return Shared.of(self._factors(probes.select(chosen), galaxies))
+        # Of a band with next to no samples all others are asked too.
+        seen = probes.select(chosen) if len(chosen) >= _FEWEST else probes
+        return Shared.of(self._factors(seen, galaxies))
 
     def _is_common(self, galaxies: Galaxies) -> bool:
         return self.attenuation is None and bool(np.all(galaxies.spectral_index == self.index))
