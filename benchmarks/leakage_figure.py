@@ -23,6 +23,7 @@ def main() -> None:
     for axes, rows, column in ((left, table[away], "psf_e1"), (right, table[sized], "size_arcsec")):
         for name, (mark, colour) in MARKS.items():
             one = rows[rows["estimator"] == name]
+            one = one[np.argsort(one[column])]
             axes.errorbar(
                 one[column],
                 np.abs(one["c1"]),
