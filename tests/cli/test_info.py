@@ -3,7 +3,11 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from tests.io.measurement_sets import change, written
+from uvshear.cli.reading import scans_of
+from uvshear.errors import InputError
 
 
 def test_a_set_is_described(uvshear: Callable, tmp_path: Path) -> None:
@@ -34,3 +38,10 @@ def test_what_is_no_set_ends_with_one_line(uvshear: Callable, tmp_path: Path) ->
     assert outcome.status == 2
     assert outcome.err.count("\n") == 1
     assert "not a Measurement Set" in outcome.err
+
+
+def test_scans_are_numbers_and_ranges() -> None:
+    assert scans_of("3,5-7, 3") == (3, 5, 6, 7)
+    for wrong in ("8-5", "3-", "-3", "three", ""):
+        with pytest.raises(InputError, match="numbers and ranges"):
+            scans_of(wrong)

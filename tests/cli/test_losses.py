@@ -77,3 +77,18 @@ def test_the_paper_has_no_primary_beam(uvshear: Callable, tmp_path: Path, catalo
     )  # fmt: skip
     assert outcome.status == 2
     assert "--extraction converged is needed" in outcome.err
+
+
+def test_a_source_that_the_dishes_do_not_see_is_flagged(
+    uvshear: Callable, tmp_path: Path, catalogue: Path
+) -> None:
+    table = Table.read(catalogue)
+    table["l"][1] = 0.03
+    table.write(catalogue, overwrite=True)
+    beam = ("--primary-beam", "cosine-cubed")
+    outcome = uvshear(
+        *("simulate", "--catalogue", catalogue, *SIMULATE, *beam, "-o", tmp_path / "field.ms")
+    )
+    assert outcome.status == 0, outcome.err
+    shapes = _measured(uvshear, tmp_path, catalogue, *beam)
+    assert shapes["flag"].tolist() == ["ok", "outside_field", "ok"]

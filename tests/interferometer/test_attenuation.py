@@ -5,6 +5,7 @@ import pytest
 from astropy.modeling.models import AiryDisk2D
 
 from uvshear.constants import SPEED_OF_LIGHT
+from uvshear.errors import InputError
 from uvshear.geometry.directions import n_minus_one
 from uvshear.interferometer.attenuation import BandwidthSmearing, TimeSmearing, Together
 from uvshear.interferometer.coverage import EARTH_ROTATION, antenna_uvw
@@ -103,7 +104,7 @@ def test_the_airy_beam_is_astropys():
     [
         AiryBeam.of_diameters(DISHES),
         CosineCubedBeam(np.full(ANTENNAS, 1.2e7)),
-        CosineTaperBeam.of_meerkat(ANTENNAS),
+        CosineTaperBeam.of_meerkat(),
     ],
     ids=lambda beam: type(beam).__name__,
 )
@@ -124,3 +125,10 @@ def test_unlike_dishes_multiply_their_voltages():
         for diameter in (13.5, 15.0)
     )
     np.testing.assert_allclose(mixed, np.sqrt(small * large))
+
+
+def test_unlike_dishes_need_known_antennas():
+    beam = AiryBeam.of_diameters(np.where(np.arange(ANTENNAS) < PAIRS, 13.5, 15.0))
+    unknown = _samples(antennas=np.full((PAIRS, 2), -1, np.int16))
+    with pytest.raises(InputError, match="dishes differ"):
+        beam.of(unknown, L, M)

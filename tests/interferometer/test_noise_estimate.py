@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.noise_estimate import noise_over_weights
+from uvshear.interferometer.noise_estimate import noise_over_weights, scaled_to_its_noise
 from uvshear.interferometer.visibilities import Integrations, Visibilities, VisibilitySet
 
 BASELINES, TIMES = 40, 30
@@ -61,3 +62,20 @@ def test_flagged_samples_are_not_looked_at():
 
 def test_one_channel_without_baselines_tells_nothing():
     assert ratio(replace(_seen(1), integrations=None)) is None
+
+
+def test_a_few_pairs_of_one_kind_do_not_beat_many_of_the_other():
+    """One row of many channels too small is no evidence."""
+    many = _seen(1)
+    few = Visibilities(
+        np.ones((55, 3)), np.linspace(1e9, 1.1e9, 3), np.zeros((55, 3), complex), np.ones((55, 3))
+    )
+    assert ratio(many, few) == pytest.approx(3.0, rel=0.05)
+
+
+def test_each_set_is_scaled_to_its_own_noise():
+    quiet = VisibilitySet(PhaseCentre(0.0, 0.0), (_seen(4),))
+    scaled = scaled_to_its_noise(quiet)
+    assert noise_over_weights(scaled) == pytest.approx(1.0, rel=1e-3)
+    with pytest.raises(InputError, match="neighbouring samples do not tell"):
+        scaled_to_its_noise(VisibilitySet(PhaseCentre(0.0, 0.0), ()))

@@ -348,10 +348,13 @@ def test_sizes_of_pybdsf_are_scale_lengths_and_what_it_does_not_resolve_are_poin
     catalogue = catalogue_from_table(table)
     assert catalogue.scale_length is not None
     np.testing.assert_allclose(
-        catalogue.scale_length, np.array([1.0, 0.0, 0.0]) / DISC_OF_ONE * ARCSEC, rtol=1e-7
+        catalogue.scale_length,
+        np.array([np.sqrt(2.0), 0.0, np.sqrt(8.0)]) / DISC_OF_ONE * ARCSEC,
+        rtol=1e-7,
     )
     assert catalogue.is_point is not None
-    assert catalogue.is_point.tolist() == [False, True, True]
+    # one axis that is resolved is enough
+    assert catalogue.is_point.tolist() == [False, True, False]
     np.testing.assert_allclose(catalogue.flux_err, [1e-4, 2e-4, 3e-4])
     np.testing.assert_allclose(catalogue.position_err, np.radians(1e-5))
 
@@ -394,3 +397,21 @@ def test_the_half_light_radius_of_a_disc_is_galsims() -> None:
     disc = galsim.Exponential(scale_radius=1.0)
     gaussian = galsim.Gaussian(half_light_radius=disc.half_light_radius)
     assert gaussian.fwhm == pytest.approx(DISC_OF_ONE, rel=1e-5)
+
+
+def test_what_a_user_adds_to_a_finders_table_counts() -> None:
+    table = Table(
+        {
+            "RA": [10.0, 11.0] * units.deg,
+            "DEC": [-30.0, -31.0] * units.deg,
+            "Total_flux": [1e-3, 2e-3] * units.Jy,
+            "DC_Maj": [0.0, 1e-3] * units.deg,
+            "DC_Min": [0.0, 1e-3] * units.deg,
+            "spectral_index": [-0.1, 0.3],
+            "Profile": ["galaxy", "point"],
+        }
+    )
+    catalogue = catalogue_from_table(table)
+    assert catalogue.spectral_index.tolist() == [-0.1, 0.3]
+    assert catalogue.is_point is not None
+    assert catalogue.is_point.tolist() == [False, True]

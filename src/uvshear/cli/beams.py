@@ -9,6 +9,8 @@ import typer
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from uvshear.interferometer.primary_beam import PrimaryBeam
     from uvshear.typing import Array, Float
 
@@ -32,9 +34,9 @@ PrimaryBeamOption = Annotated[
 
 
 def beam_of(
-    name: BeamName, diameters: "Float[Array, ' antenna']", source: str
+    name: BeamName, diameters: "Callable[[], Float[Array, ' antenna']]", source: str
 ) -> "PrimaryBeam | None":
-    """Return the beam of dishes of these diameters [m], which ``source`` gives."""
+    """Return the beam of dishes of these diameters [m], which ``source`` gives where they are needed."""
     import numpy as np
 
     from uvshear.interferometer.primary_beam import AiryBeam, CosineCubedBeam, CosineTaperBeam
@@ -42,11 +44,12 @@ def beam_of(
     if name is BeamName.NONE:
         return None
     if name is BeamName.MEERKAT:
-        return CosineTaperBeam.of_meerkat(len(diameters))
-    if not np.all(diameters > 0):
+        return CosineTaperBeam.of_meerkat()
+    known = diameters()
+    if not np.all(known > 0):
         raise InputError(
             f"--primary-beam {name.value}: {source} gives no diameter of a dish;"
             " --primary-beam meerkat or none needs none"
         )
-    airy = AiryBeam.of_diameters(diameters)
+    airy = AiryBeam.of_diameters(known)
     return airy if name is BeamName.AIRY else CosineCubedBeam(airy.width)

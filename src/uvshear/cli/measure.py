@@ -1,6 +1,7 @@
 """``uvshear measure``: shapes of the galaxies of a catalogue."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
+from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -210,7 +211,7 @@ def measure(
         uv_range=uv_range,
         smears=smearing,
         primary_beam=beam_of(
-            primary_beam, dish_diameters(measurement_sets), str(measurement_sets[0])
+            primary_beam, lambda: dish_diameters(measurement_sets), str(measurement_sets[0])
         ),
         position_radius=(
             None if position_radius_arcsec is None else position_radius_arcsec * ARCSEC
@@ -228,7 +229,7 @@ def measure(
     write_shapes(output, shapes, overwrite=overwrite)
     columns = tuple(name for one in statistics for name in one.columns)
     keep_statistics(output, shapes["id"], columns, extracted.kept, overwrite=overwrite)
-    tell_remarks(measurement_sets, reading)
+    tell_remarks(measurement_sets, reading, noise)
     measured = sum(flag == "ok" for flag in shapes["flag"])
     say(f"{output}: {measured} of {len(shapes)} sources measured")
     tell_convergence(extracted.record)
@@ -246,8 +247,9 @@ def observed(paths: list[Path], reading: "Reading", noise: NoiseName) -> "Observ
     from uvshear.interferometer.noise_estimate import scaled_to_its_noise
     from uvshear.io.observations import open_observation
 
-    observation = open_observation(paths, reading)
-    return observation if noise is NoiseName.WEIGHTS else scaled_to_its_noise(observation)
+    # Each set has weights, and a noise, of its own.
+    prepared = scaled_to_its_noise if noise is NoiseName.DATA else None
+    return open_observation(paths, reading, prepared)
 
 
 def size_of(name: SizePriorName, sources: "Catalogue", path: Path) -> "SizeModel":
@@ -263,14 +265,16 @@ def size_of(name: SizePriorName, sources: "Catalogue", path: Path) -> "SizeModel
     return CatalogueSize()
 
 
-def tell_remarks(paths: list[Path], reading: "Reading") -> None:
+def tell_remarks(paths: list[Path], reading: "Reading", noise: NoiseName) -> None:
     """Say what a user should know of sets that are measured all the same."""
     from uvshear.io.inspection import inspect
     from uvshear.io.remarks import remarks_on
 
     for path in paths:
         for content in inspect(path, reading).fields:
-            for remark in remarks_on(content):
+            # Weights that were scaled to the noise are right.
+            known = content.noise_over_weights if noise is NoiseName.WEIGHTS else None
+            for remark in remarks_on(replace(content, noise_over_weights=known)):
                 warn(remark)
 
 

@@ -51,8 +51,9 @@ def scans_of(text: str) -> tuple[int, ...]:
     """Numbers and ranges of numbers, joined by commas."""
     scans: list[int] = []
     for part in text.split(","):
-        first, _, last = part.strip().partition("-")
-        if not first.isdecimal() or not (last.isdecimal() or last == ""):
+        first, dash, last = part.strip().partition("-")
+        last = last if dash else first
+        if not (first.isdecimal() and last.isdecimal() and int(first) <= int(last)):
             raise InputError(f"--scans {text}: numbers and ranges such as 3,5-8 are needed")
-        scans += range(int(first), int(last or first) + 1)
+        scans += range(int(first), int(last) + 1)
     return tuple(sorted(set(scans)))

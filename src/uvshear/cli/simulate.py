@@ -173,7 +173,7 @@ def simulate(
         Track.from_clock(centre, ranges, integration_s, limit),
         Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, channels),
         is_averaged=smearing,
-        primary_beam=beam_of(primary_beam, array.diameters, f"layout {layout}"),
+        primary_beam=beam_of(primary_beam, lambda: array.diameters, f"layout {layout}"),
     )
     observation = simulate_observation(
         sources,

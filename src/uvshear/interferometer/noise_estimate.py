@@ -15,6 +15,8 @@ MOST_PAIRS = 2**20
 """Differences that are looked at: the ratio is then known to 0.1 per cent."""
 
 FEWEST_PAIRS = 100
+_FAIR = 0.1
+"""Of the pairs of one kind there must be so many of the other, for them to be compared."""
 
 
 def noise_over_weights(observation: Observation) -> float | None:
@@ -25,7 +27,8 @@ def noise_over_weights(observation: Observation) -> float | None:
 
     .. math:: \frac{\sigma^2}{\sigma_w^2} = \frac{\mathrm{med}\,\{|D|^2 / (1/w_1 + 1/w_2)\}}{2 \ln 2}
 
-    None where fewer than a hundred pairs have weight, or nobody knows which rows belong together. Channels that were
+    None where fewer than a hundred pairs have weight, or nobody knows which rows belong together. Of a large set the
+    first million pairs are looked at. Channels that were
     smoothed (Hanning) share noise, and seem quieter than they are.
     """
     found: tuple[list[Array], list[Array]] = ([], [])
@@ -39,7 +42,7 @@ def noise_over_weights(observation: Observation) -> float | None:
     medians = [
         float(np.median(np.concatenate(parts)))
         for parts, count in zip(found, counts, strict=True)
-        if count >= FEWEST_PAIRS
+        if count >= max(FEWEST_PAIRS, _FAIR * max(counts))
     ]
     return math.sqrt(min(medians) / (2 * math.log(2))) if medians else None
 

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.special import j1
 
 from uvshear.constants import SPEED_OF_LIGHT
+from uvshear.errors import InputError
 from uvshear.geometry.directions import n_minus_one
 from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.samples import Samples
@@ -33,7 +34,7 @@ class PrimaryBeam(Attenuation):
     Parameters
     ----------
     width
-        Full width at half maximum of each antenna's power beam, times the frequency [rad Hz].
+        Full width at half maximum of each antenna's power beam, times the frequency [rad Hz]; one of dishes all alike.
     """
 
     width: Float[Array, " antenna"]
@@ -51,6 +52,12 @@ class PrimaryBeam(Attenuation):
         kinds = np.unique(self.width)
         if len(kinds) == 1:
             return self.voltage(place / kinds[0]) ** 2
+        if len(samples) and not 0 <= samples.antennas.min() <= samples.antennas.max() < len(
+            self.width
+        ):
+            raise InputError(
+                f"dishes differ, and the samples are not all of antennas 0 to {len(self.width) - 1}"
+            )
         return self.voltage(place / self.width[first]) * self.voltage(place / self.width[second])
 
 
@@ -84,9 +91,9 @@ class CosineTaperBeam(PrimaryBeam):
     """Of dishes lit by a cosine-squared taper: MeerKAT's, in Stokes I (Mauch et al. 2020, ApJ 888, 61)."""
 
     @classmethod
-    def of_meerkat(cls, antennas: int) -> "CosineTaperBeam":
-        """So many of its dishes: 57.5 arcmin at 1.5 GHz."""
-        return cls(np.full(antennas, MEERKAT_WIDTH))
+    def of_meerkat(cls) -> "CosineTaperBeam":
+        """Its dishes are all alike: 57.5 arcmin at 1.5 GHz."""
+        return cls(np.array([MEERKAT_WIDTH]))
 
     def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
         """cos(1.189 pi x)/(1 - 4 (1.189 x)^2)."""

@@ -74,7 +74,12 @@ class Columns:
     ) -> Float[Array, " source"]:
         """Errors in ``unit``; 0 where a finder gives none, or a number that says so (-1)."""
         values = self.table[self._spelling[column]]
-        plain: Array = np.ma.filled(np.ma.asarray(values, dtype=float), 0.0)
+        try:
+            plain: Array = np.ma.filled(np.ma.asarray(values, dtype=float), 0.0)
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                f"{self.name}: column '{column}' holds text; numbers are needed"
+            ) from error
         factor = self._factor(column, values, unit, None, assumed, needs_unit=False)
         return np.where(np.isfinite(plain) & (plain > 0), plain, 0.0) * factor
 

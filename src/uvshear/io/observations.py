@@ -1,7 +1,7 @@
 """Several Measurement Sets of one pointing, read as one observation."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -54,8 +54,12 @@ class Reading:
         )
 
 
-def open_observation(paths: Sequence[Path], reading: Reading | None = None) -> Observation:
-    """Open one or more Measurement Sets of the same phase centre."""
+def open_observation(
+    paths: Sequence[Path],
+    reading: Reading | None = None,
+    prepared: Callable[[Observation], Observation] | None = None,
+) -> Observation:
+    """Open one or more Measurement Sets of the same phase centre, each ``prepared`` for itself."""
     if not paths:
         raise InputError("no Measurement Set is given; one or more are needed")
     resolved = [path.resolve() for path in paths]
@@ -63,7 +67,8 @@ def open_observation(paths: Sequence[Path], reading: Reading | None = None) -> O
         if path in resolved[:index]:
             raise InputError(f"{paths[index]}: is given twice; its visibilities would count twice")
     reading = reading or Reading()
-    parts = tuple(reading.open(path) for path in paths)
+    sets = [reading.open(path) for path in paths]
+    parts = tuple(one if prepared is None else prepared(one) for one in sets)
     first = parts[0].phase_centre
     for path, part in zip(paths[1:], parts[1:], strict=True):
         other = part.phase_centre

@@ -18,6 +18,10 @@ FWHM_OF_SCALE_LENGTH = 2 * 1.6783469900166605
 """Full width at half maximum of a Gaussian over the scale length of a disc of the same half-light radius."""
 
 
+ADDED = frozenset({"scale_length", "profile", "spectral_index", "reference_frequency", "e1", "e2"})
+"""Columns of ours that a finder's table may have besides its own."""
+
+
 @dataclass(frozen=True)
 class SourceFinder(ABC):
     """A finder: how its tables are told, and what its columns are.
@@ -46,10 +50,16 @@ class SourceFinder(ABC):
                 if column.unit is None or str(column.unit).strip() == "":
                     column.unit = unit
                 found[ours] = column
+        for name in table.colnames:
+            # What a user has added counts.
+            if name.lower() in ADDED and name not in found.colnames:
+                found[name.lower()] = table[name]
         width = self.deconvolved(table)
         if width is not None:
-            found["scale_length"] = Column(width / FWHM_OF_SCALE_LENGTH, unit="arcsec")
-            found["profile"] = np.where(width > 0, "galaxy", "point")
+            if "scale_length" not in found.colnames:
+                found["scale_length"] = Column(width / FWHM_OF_SCALE_LENGTH, unit="arcsec")
+            if "profile" not in found.colnames:
+                found["profile"] = np.where(width > 0, "galaxy", "point")
         return found
 
     @abstractmethod
@@ -79,8 +89,8 @@ class PyBDSF(SourceFinder):
         """Its own deconvolution, DC_Maj and DC_Min."""
         if not {"DC_Maj", "DC_Min"} <= set(table.colnames):
             return None
-        axes = [_in_arcsec(table["DC_Maj"], units.deg), _in_arcsec(table["DC_Min"], units.deg)]
-        return np.sqrt(np.prod(axes, axis=0))
+        long, short = (_in_arcsec(table[name], units.deg) for name in ("DC_Maj", "DC_Min"))
+        return _mean_width(long, short)
 
 
 class Aegean(SourceFinder):
@@ -106,10 +116,8 @@ class Aegean(SourceFinder):
             _covariance(*(table[f"{prefix}{name}"] for name in ("a", "b", "pa")))
             for prefix in ("", "psf_")
         )
-        left = fitted - beam
-        determinant = np.linalg.det(left)
-        is_resolved = (determinant > 0) & (np.trace(left, axis1=1, axis2=2) > 0)
-        return np.where(is_resolved, np.abs(determinant), 0.0) ** 0.25
+        short, long = np.sqrt(np.maximum(np.linalg.eigvalsh(fitted - beam), 0.0)).T
+        return _mean_width(long, short)
 
 
 SOURCE_FINDERS: tuple[SourceFinder, ...] = (PyBDSF(), Aegean())
@@ -121,6 +129,13 @@ def in_our_columns(table: Table) -> Table:
         if finder.writes(table):
             return finder.translated(table)
     return table
+
+
+def _mean_width(
+    long: Float[Array, " source"], short: Float[Array, " source"]
+) -> Float[Array, " source"]:
+    """Geometric mean of the axes; the short one is no less than half of the long one, which alone may be resolved."""
+    return np.sqrt(long * np.maximum(short, 0.5 * long))
 
 
 def _in_arcsec(column: Column, assumed: units.UnitBase) -> Float[Array, " source"]:

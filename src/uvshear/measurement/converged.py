@@ -68,9 +68,9 @@ loose for a source that can be measured, tight enough to keep neighbours from ch
 ERROR, FINEST = 0.1, 1e-5
 """Error of the gridder over the noise, for the brightest source; and the least in single precision."""
 
-PHOTOMETRY = 0.3
+PHOTOMETRY, SUREST = 0.3, 0.05
 """Standard deviation of the catalogue's fluxes over themselves, for the sky model: two galaxies at one beam from one
-another are told apart by little else."""
+another are told apart by little else; and the least of what a catalogue gives."""
 
 PEAKS = 1
 """Visits after which every source looks for its peak from scratch."""
@@ -101,6 +101,8 @@ class ConvergedExtraction(Extraction):
         Baseline below which visibilities are left out [wavelengths], unless the uv range asks for more; by default
         those that tell nothing of shapes (``measurement.baselines``), 0 for none.
     """
+
+    models_losses = True
 
     tolerance: float = 0.1
     most_visits: int = 5
@@ -235,9 +237,12 @@ class _Run:
         for k, member in enumerate(self._members.tolist()):
             flux, given = self._expected[k].flux, options.position_radius
             sigma = ASTROMETRY * median[k] if given is None else given / 2
-            # Errors of the catalogue itself are better known.
-            sigma = field.position_err[member] or sigma
-            flux_sigma = field.flux_err[member] * self._common[k] or PHOTOMETRY * flux
+            flux_sigma = PHOTOMETRY * flux
+            if given is None and field.position_err[member] > 0:
+                sigma = field.position_err[member]
+            if field.flux_err[member] > 0:
+                # A finder has it from the same data: taken at its word it would count twice.
+                flux_sigma = max(field.flux_err[member] * self._common[k], SUREST * flux)
             prior = replace(
                 field.prior(member, options.position_radius, options.ellipticity),
                 ellipticity_sigma=population,

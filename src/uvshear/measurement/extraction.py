@@ -4,7 +4,7 @@ import dataclasses
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from uvshear.extraction.facets import UvRange
 from uvshear.fit.measurement import ShapeMeasurement
@@ -47,6 +47,9 @@ class Extracted:
 
 class Extraction(ABC):
     """A way of telling sources apart."""
+
+    models_losses: ClassVar[bool] = False
+    """Whether sources are modelled as averaging and primary beams leave them."""
 
     @abstractmethod
     def measure(

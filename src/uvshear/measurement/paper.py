@@ -63,6 +63,8 @@ class PaperExtraction(Extraction):
         progress: Progress | None,
     ) -> Extracted:
         """Measure every source, and the bad ones once more at the end."""
+        if options.primary_beam is not None:
+            raise InputError("the paper's extraction has no primary beam; ConvergedExtraction has")
         sweep = Sweep(observation, field, options, facet=self.facet, progress=progress)
         everything = sweep.batches(field.measured, self.separation)
         sweep.expect(self.rounds * len(everything))

@@ -32,6 +32,10 @@ def image_residual(
         extent=field.extent,
         uv_range=extracted.uv_range,
         gridding=Gridding(block=block_of(options.memory), threads=options.threads),
-        attenuation=options.attenuation(observation.phase_centre.dec),
+        attenuation=(
+            options.attenuation(observation.phase_centre.dec)
+            if options.extraction.models_losses
+            else None
+        ),
         step=step,
     )

@@ -20,6 +20,9 @@ TOLERANCE = 1e-4
 """Part of the strongest factor that the few may miss of another."""
 
 
+FAINTEST = 1e-2
+"""Part of its flux that a source must have left, to be modelled."""
+
 _NEGLIGIBLE = 1e-5
 _FEWEST = 64
 _OUTERMOST = 8
@@ -127,6 +130,9 @@ class Response:
         probes = self._need_probes()
         weight = probes.weights * self.gain(probes.frequency).astype(float) ** 2
         square = weight @ self.attenuation.of(probes, l, m) ** 2 / weight.sum()
+        if square < FAINTEST**2:
+            # Next to nothing is seen there, and nothing modelled.
+            return 1.0
         return (self.attenuation.of(samples, l, m) / np.sqrt(square)).astype(np.float32)
 
     def shared(self, galaxies: Galaxies, shortest: float, longest: float) -> Shared:
