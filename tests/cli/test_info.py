@@ -18,7 +18,7 @@ def test_a_set_is_described(uvshear: Callable, tmp_path: Path) -> None:
         "950 - 1190 MHz, 4 channels of 60000 kHz; XX YY",
         "field 0 simulated",
         "1680 and 0 autocorrelations",
-        "averaged over",
+        "no time, no band",
         "UVW is X(ANTENNA1) - X(ANTENNA2)",
     ):
         assert fact in outcome.out

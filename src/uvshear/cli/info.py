@@ -88,7 +88,10 @@ def _facts_of_field(one: "FieldContent") -> list[Fact]:
     start, end = (Time(day / 86400, format="mjd") for day in one.time)
     shortest, longest = one.interval
     interval = f"{shortest:.4g}" + (f" to {longest:.4g}" if longest > shortest else "")
-    averaged = f"{interval} s" if longest > 0 else "nothing"
+    widest = max(float(part.averaged.max()) for part in one.data.header.descriptions)
+    over_time = f"{interval} s" if longest > 0 else "no time"
+    over_channel = f"{widest / 1e3:.6g} kHz" if widest > 0 else "no band"
+    averaged = f"{over_time}, {over_channel}"
     facts += [
         ("time", f"{start.isot[:19]} to {end.isot[:19]} UTC"),
         ("averaged over", averaged),
