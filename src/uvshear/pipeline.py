@@ -34,7 +34,7 @@ from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
 from uvshear.measurement import Extracted, Field, MeasurementOptions, Progress
 from uvshear.measurement.metacal import MetacalStatistic
-from uvshear.predict.response import FAINTEST
+from uvshear.predict.response import FAINTEST, Response
 from uvshear.shear.bayesian import UnlensedPopulation
 from uvshear.shear.estimator import BayesianShear, MeanShear, MetacalShear, MomentShear
 from uvshear.shear.mean import ShearEstimate
@@ -44,7 +44,7 @@ from uvshear.shear.weight import lensfit_weight
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.observation import SimulatedObservation
-from uvshear.typing import Array, Bool, Float, Int, Shaped
+from uvshear.typing import Array, Bool, Float, Int
 
 Lens = Callable[[Galaxies, complex], Galaxies]
 """What a reduced shear does to galaxies."""
@@ -257,26 +257,6 @@ def selected(
     return chosen
 
 
-def _unseen(
-    l: Float[Array, " source"],
-    m: Float[Array, " source"],
-    flags: Shaped[Array, " source"],
-    phase_centre: PhaseCentre,
-    extent: Extent,
-    options: MeasurementOptions,
-) -> Int[Array, " unseen"]:
-    """Find sources of which averaging and primary beams leave next to nothing."""
-    attenuation = options.attenuation(phase_centre.dec)
-    if attenuation is None:
-        return np.zeros(0, int)
-    there = np.flatnonzero((flags == FitFlag.OK) | (flags == FitFlag.POINT_SOURCE))
-    left = [
-        float(np.sqrt(np.mean(attenuation.of(extent.probes, *place) ** 2)))
-        for place in zip(l[there].tolist(), m[there].tolist(), strict=True)
-    ]
-    return there[np.array(left) < FAINTEST]
-
-
 def _prepare(
     sources: Catalogue, phase_centre: PhaseCentre, extent: Extent, options: MeasurementOptions
 ) -> Field:
@@ -288,7 +268,6 @@ def _prepare(
     flags[n <= 0] = FitFlag.BELOW_HORIZON
     if sources.is_point is not None:
         flags[sources.is_point & (flags == FitFlag.OK)] = FitFlag.POINT_SOURCE
-    flags[_unseen(l, m, flags, phase_centre, extent, options)] = FitFlag.OUTSIDE_FIELD
     is_modelled = (flags == FitFlag.OK) | (flags == FitFlag.POINT_SOURCE)
     flux_at_1_4 = sources.flux * (REFERENCE_FREQUENCY / sources.reference_frequency) ** (
         sources.spectral_index
@@ -310,6 +289,12 @@ def _prepare(
         spectral_index=sources.spectral_index,
         reference_frequency=sources.reference_frequency,
     )
+    # What averaging and primary beams leave next to nothing of cannot be modelled.
+    response = Response.of(sky, extent.probes, options.attenuation(phase_centre.dec))
+    unseen = is_modelled & (response.attenuations(sky) < FAINTEST)
+    flags[unseen] = FitFlag.OUTSIDE_FIELD
+    is_modelled &= ~unseen
+    sky = replace(sky, flux=np.where(unseen, 0.0, sky.flux))
     if options.uv_range.minimum >= extent.longest:
         raise InputError(
             f"--uv-min {options.uv_range.minimum:g}: the longest baseline there is has {extent.longest:.4g}"

@@ -43,7 +43,7 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.baselines import Baselines
 from uvshear.measurement.extraction import Extracted, Extraction, Progress
 from uvshear.measurement.field import Field
-from uvshear.measurement.keep import Kept, SourceName
+from uvshear.measurement.keep import Kept
 from uvshear.measurement.meter import Meter
 from uvshear.measurement.natural_snr import with_natural_snr
 from uvshear.measurement.settlement import Settlement
@@ -353,18 +353,12 @@ class _Run:
         ratio, prior = float(self._at_1_4_ghz[k]), self._sources[k].prior.measured
         # Populations know fluxes at 1.4 GHz, whatever those of the catalogue and of the facet are.
         common = facet.in_other_unit(ratio)
-        numbers: dict[str, float | Array] = {}
+        source, numbers = int(self._members[k]), dict[str, float | Array]()
+        name = self._field.name(source, self._observation.phase_centre)
         for statistic in self._options.keep:
-            numbers.update(
-                statistic.of(common, cutout, prior, self._name_of(int(self._members[k])))
-            )
+            numbers.update(statistic.of(common, cutout, prior, name))
         if numbers:
-            self._kept[int(self._members[k])] = numbers
-
-    def _name_of(self, source: int) -> SourceName:
-        centre, field = self._observation.phase_centre, self._field
-        angles = centre.ra, centre.dec, float(field.l[source]), float(field.m[source])
-        return tuple(round(angle / _NANORADIAN) % 2**32 for angle in angles)
+            self._kept[source] = numbers
 
     def _foresee(self, plan: VisitPlan, *, is_first: bool) -> None:
         """Tell the meter what is to come: rough visits and one of all baselines are taken for granted, more are not."""
@@ -391,8 +385,6 @@ class _Run:
         tiles = [tile for band in plan.tiles[plan.top :] for tile in band]
         return sum(work_of(samples, tile) for tile in tiles) + len(self._members) * _FIT
 
-
-_NANORADIAN = 1e-9
 
 _FIT = 4e6
 _POSTERIOR = 12e6

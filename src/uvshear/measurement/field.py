@@ -8,8 +8,11 @@ from uvshear.extraction.facets import Target, UvRange
 from uvshear.fit.measurement import FitFlag, GalaxyFit
 from uvshear.fit.prior import ShapePrior
 from uvshear.galaxy import EllipticityPrior, Galaxies, SizePrior
+from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.extent import Extent
 from uvshear.typing import Array, Float, Int, Shaped
+
+_NANORADIAN = 1e-9
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,11 @@ class Field:
     def measured(self) -> Int[Array, " member"]:
         """Sources to be fitted, as indices of the catalogue."""
         return np.flatnonzero(self.flags == FitFlag.OK)
+
+    def name(self, source: int, centre: PhaseCentre) -> tuple[int, ...]:
+        """Numbers that tell a source from all others, of other fields too: directions in nanoradians."""
+        angles = centre.ra, centre.dec, float(self.l[source]), float(self.m[source])
+        return tuple(round(angle / _NANORADIAN) % 2**32 for angle in angles)
 
     def target(self, source: int, fit: GalaxyFit | None = None) -> Target:
         """Tell what to cut out of the visibilities for a source; ``fit`` is what is known of it."""

@@ -6,6 +6,7 @@ What a tile's image cannot carry, for it is one image for all samples, is so car
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -113,9 +114,7 @@ class Response:
         """Own factor of each source, rms over the probes and their weights: facets have it in their flux."""
         if self._is_common(galaxies):
             return np.ones(len(galaxies))
-        probes = self._need_probes()
-        weight = probes.weights * self.gain(probes.frequency).astype(float) ** 2
-        return np.sqrt(weight @ self._factors(probes, galaxies) ** 2 / weight.sum())
+        return self._rms(self._factors(self._need_probes(), galaxies))
 
     def attenuations(self, galaxies: Galaxies) -> Float[Array, " source"]:
         """Part of each source's flux that averaging and primary beams leave, rms over the probes."""
@@ -127,13 +126,11 @@ class Response:
         """Filter that matches a direction, besides the common power law; its rms is 1, as ``strengths`` has it."""
         if self.attenuation is None:
             return 1.0
-        probes = self._need_probes()
-        weight = probes.weights * self.gain(probes.frequency).astype(float) ** 2
-        square = weight @ self.attenuation.of(probes, l, m) ** 2 / weight.sum()
-        if square < FAINTEST**2:
+        left = float(self._rms(self.attenuation.of(self._need_probes(), l, m)[:, None])[0])
+        if left < FAINTEST:
             # Next to nothing is seen there, and nothing modelled.
             return 1.0
-        return (self.attenuation.of(samples, l, m) / np.sqrt(square)).astype(np.float32)
+        return (self.attenuation.of(samples, l, m) / left).astype(np.float32)
 
     def shared(self, galaxies: Galaxies, shortest: float, longest: float) -> Shared:
         """Own factors of sources in terms of a few, on baselines in this range [wavelengths]."""
@@ -148,6 +145,16 @@ class Response:
 
     def _is_common(self, galaxies: Galaxies) -> bool:
         return self.attenuation is None and bool(np.all(galaxies.spectral_index == self.index))
+
+    def _rms(self, factors: Float[Array, "probe source"]) -> Float[Array, " source"]:
+        """Of factors at the probes, by what these tell of a source."""
+        return np.sqrt(self._weight @ factors**2)
+
+    @cached_property
+    def _weight(self) -> Float[Array, " probe"]:
+        probes = self._need_probes()
+        weight = probes.weights * self.gain(probes.frequency).astype(float) ** 2
+        return weight / weight.sum()
 
     def _need_probes(self) -> Samples:
         assert self.probes is not None, "sources of unlike response need probes"
