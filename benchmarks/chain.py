@@ -1,0 +1,193 @@
+"""The whole chain of a survey: simulate, image with wsclean, find with PyBDSF, measure, shear.
+
+    make chain
+    python benchmarks/chain.py chain --field-arcmin 14 --overwrite
+
+Every step is a command that is printed as a user would type it. The same field is measured with PyBDSF's catalogue and
+with the true one; ``chain.json`` has how complete the former is, and by how much it shifts the slopes of measured
+against true ellipticity. wsclean and PyBDSF are needed (``make referees``).
+"""
+
+import argparse
+import json
+import math
+import shlex
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+from astropy.table import Table
+from scipy.spatial import cKDTree
+
+from uvshear.constants import ARCSEC, MICROJANSKY
+from uvshear.galaxy import Galaxies
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.io.catalogue import read_catalogue
+from uvshear.io.shapes import inside, read_shapes
+from uvshear.shear.slope import fit_slope
+from uvshear.simulation.lensing import shear_galaxies
+
+PHASE_CENTRE = PhaseCentre(0.0, math.radians(-30.0))
+SHEAR = 0.05 - 0.03j
+
+PIXEL = 0.5
+"""Of the image [arcsec]."""
+
+IMAGING = (
+    "-quiet -no-update-model-required -use-wgridder -name image -weight briggs 0"
+    " -taper-gaussian 1.8asec -minuv-l 1000 -niter 50000 -mgain 0.8 -auto-threshold 3 -auto-mask 5"
+)
+"""A beam of 6 arcsec: wide enough for galaxies of a few, narrow enough to tell them apart. The core of the array, which
+would make it wider still, is left out."""
+
+FINDING = """
+import bdsf
+image = bdsf.process_image("image-image.fits", thresh_isl=3.0, thresh_pix=5.0, thresh="hard", rms_map=False,
+                           mean_map="zero", ncores=2, quiet=True)
+image.write_catalog(outfile="found.fits", format="fits", catalog_type="gaul", clobber=True)
+"""
+"""Gaussians, not sources: what overlaps at 6 arcsec is two galaxies more often than one."""
+
+UV_MIN = 6000
+"""Of the measurement [wavelengths]: sources that no catalogue has add up on shorter baselines."""
+
+SAME = 1.0
+"""Entries of the catalogue within this distance of a galaxy are that galaxy [arcsec]."""
+
+SNR_MIN = 20.0
+
+BINS = (10, 20, 50, 200)
+"""Of the true flux [uJy]."""
+
+
+def main() -> None:
+    """Run the chain, compare, print, write ``chain.json``."""
+    arguments = parse()
+    if shutil.which("wsclean") is None:
+        sys.exit("wsclean is missing: make referees installs it")
+    directory, start = arguments.directory, time.perf_counter()
+    if directory.exists():
+        if not arguments.overwrite:
+            sys.exit(f"{directory}: exists already; give --overwrite or another directory")
+        shutil.rmtree(directory)
+    directory.mkdir(parents=True)
+    observe(directory, arguments.field_arcmin, arguments.threads)
+    for name in ("true", "found"):
+        measure(directory, name, arguments.threads)
+    result = compare(directory) | {"seconds": round(time.perf_counter() - start)}
+    (directory / "chain.json").write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
+    print(json.dumps(result, indent=2))
+
+
+def parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("directory", type=Path)
+    parser.add_argument("--field-arcmin", type=float, default=14.0)
+    parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--overwrite", action="store_true")
+    return parser.parse_args()
+
+
+def observe(directory: Path, field_arcmin: float, threads: int) -> None:
+    """Simulate the field, image it, find its sources."""
+    uvshear(
+        directory,
+        f"catalogue --field-arcmin {field_arcmin:g} --density 2.8 --flux-ujy 10 200 --seed 1 -o true.fits",
+    )
+    uvshear(
+        directory,
+        "simulate --layout ska-mid-aa4 --catalogue true.fits --declination-deg -30 --hours 8 --integration-s 600"
+        f" --band-mhz 950 1190 --channels 1 --shear {SHEAR.real:g} {SHEAR.imag:g} --snr-at 10 10 --seed 1"
+        f" --threads {threads} -o field.ms",
+    )
+    size = 2 * round(0.55 * field_arcmin * 60 / PIXEL)
+    command = f"wsclean -j {threads} -size {size} {size} -scale {PIXEL:g}asec {IMAGING} field.ms"
+    run(directory, shlex.split(command), command)
+    (directory / "find.py").write_text(FINDING, encoding="utf-8")
+    run(directory, [sys.executable, "find.py"], "python find.py")
+
+
+def measure(directory: Path, name: str, threads: int) -> None:
+    """Measure with a catalogue, and estimate the shear."""
+    uvshear(
+        directory,
+        f"measure field.ms --catalogue {name}.fits --uv-min {UV_MIN} --threads {threads} -o shapes-{name}.fits",
+    )
+    uvshear(directory, f"shear shapes-{name}.fits --snr-min {SNR_MIN:g} -o shear-{name}.json")
+
+
+def uvshear(directory: Path, arguments: str) -> None:
+    program = str(Path(sys.executable).with_name("uvshear"))
+    run(directory, [program, *arguments.split()], f"uvshear {arguments}")
+
+
+def run(directory: Path, command: list[str], shown: str) -> None:
+    print(f"\n$ {shown}", flush=True)
+    subprocess.run(command, cwd=directory, check=True)
+
+
+def compare(directory: Path) -> dict[str, object]:
+    """Set what came of PyBDSF's catalogue against the truth, and against what came of the true one."""
+    intrinsic = read_catalogue(directory / "true.fits").galaxies(PHASE_CENTRE)
+    galaxies = shear_galaxies(intrinsic, SHEAR)
+    shapes = {
+        name: read_shapes(directory / f"shapes-{name}.fits") for name in ("true", "found")
+    }
+    entry, galaxy = match(galaxies, shapes["found"])
+    result = completeness(galaxies, shapes["found"], entry, galaxy)
+    return result | slopes(galaxies, shapes["true"][galaxy], shapes["found"][entry], galaxy)
+
+
+def match(galaxies: Galaxies, found: Table) -> tuple[np.ndarray, np.ndarray]:
+    """Entries of the catalogue and the galaxies they are; of several entries of one, the nearest."""
+    place = np.column_stack([inside(found, "l"), inside(found, "m")])
+    apart, galaxy = cKDTree(np.column_stack([galaxies.l, galaxies.m])).query(place)
+    near = np.argsort(apart, kind="stable")
+    near = near[apart[near] < SAME * ARCSEC]
+    _, first = np.unique(galaxy[near], return_index=True)
+    entry = near[first]
+    return entry, galaxy[entry]
+
+
+def completeness(
+    galaxies: Galaxies, found: Table, entry: np.ndarray, galaxy: np.ndarray
+) -> dict[str, object]:
+    ratio = inside(found, "flux")[entry] / galaxies.flux[galaxy]
+    bins = {}
+    for low, high in zip(BINS[:-1], BINS[1:], strict=True):
+        edges = low * MICROJANSKY, high * MICROJANSKY
+        there, seen = (
+            (flux >= edges[0]) & (flux < edges[1])
+            for flux in (galaxies.flux, galaxies.flux[galaxy])
+        )
+        bins[f"{low}-{high} uJy"] = {
+            "galaxies": int(there.sum()),
+            "complete": round(float(seen.sum() / there.sum()), 3),
+            "flux_over_true": round(float(np.median(ratio[seen])), 3),
+        }
+    return {"entries": len(found), "of_no_galaxy": len(found) - len(entry), "by_flux": bins}
+
+
+def slopes(
+    galaxies: Galaxies, with_true: Table, with_found: Table, galaxy: np.ndarray
+) -> dict[str, object]:
+    """Slopes of the galaxies above the SNR that both have measured, and their difference."""
+    measured = (with_true["flag"] == "ok") & (with_found["flag"] == "ok")
+    chosen = np.array(measured & (inside(with_true, "snr") > SNR_MIN))
+    true = galaxies.ellipticity[galaxy][chosen]
+    result: dict[str, object] = {"compared": int(chosen.sum())}
+    for name, part in (("e1", true.real), ("e2", true.imag)):
+        ours, theirs = (inside(table, name)[chosen] for table in (with_true, with_found))
+        error = inside(with_true, f"{name}_err")[chosen]
+        for which, value in (("true", ours), ("found", theirs), ("shift", theirs - ours)):
+            slope = fit_slope(part, value, error)
+            result[f"slope_{name}_{which}"] = round(slope.value, 4)
+            result[f"slope_{name}_{which}_err"] = round(slope.error, 4)
+    return result
+
+
+if __name__ == "__main__":
+    main()
