@@ -16,6 +16,7 @@ import shutil
 import subprocess
 import sys
 import time
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -133,9 +134,7 @@ def compare(directory: Path) -> dict[str, object]:
     """Set what came of PyBDSF's catalogue against the truth, and against what came of the true one."""
     intrinsic = read_catalogue(directory / "true.fits").galaxies(PHASE_CENTRE)
     galaxies = shear_galaxies(intrinsic, SHEAR)
-    shapes = {
-        name: read_shapes(directory / f"shapes-{name}.fits") for name in ("true", "found")
-    }
+    shapes = {name: read_shapes(directory / f"shapes-{name}.fits") for name in ("true", "found")}
     entry, galaxy = match(galaxies, shapes["found"])
     result = completeness(galaxies, shapes["found"], entry, galaxy)
     return result | slopes(galaxies, shapes["true"][galaxy], shapes["found"][entry], galaxy)
@@ -157,7 +156,7 @@ def completeness(
 ) -> dict[str, object]:
     ratio = inside(found, "flux")[entry] / galaxies.flux[galaxy]
     bins = {}
-    for low, high in zip(BINS[:-1], BINS[1:], strict=True):
+    for low, high in pairwise(BINS):
         edges = low * MICROJANSKY, high * MICROJANSKY
         there, seen = (
             (flux >= edges[0]) & (flux < edges[1])

@@ -40,14 +40,38 @@ def test_the_psf_is_described_and_drawn(
     outcome = uvshear("psf", field, "--weight-sigma-arcsec", "8", "--pixel-arcsec", "0.5")
     assert outcome.status == 0, outcome.err
     assert "size R = Q_ll + Q_mm" in outcome.out
+    assert "weighted" not in outcome.out
     assert (tmp_path / "field-psf.png").exists()
     assert (tmp_path / "field-uv.png").exists()
+
+
+def test_what_a_weighting_makes_of_the_psf_is_told(
+    uvshear: Callable, tmp_path: Path, field: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    sigma = ["--weight-sigma-arcsec", "8", "--pixel-arcsec", "0.5"]
+    weighting = "--uv-min 500 --taper-inner-tukey 200 --weight briggs --robust 0.5 --round-psf"
+    disc = ["--scale-length-arcsec", "4"]
+    outcome = uvshear("psf", field, *sigma, *disc, *weighting.split())
+    assert outcome.status == 0, outcome.err
+    (line,) = (line for line in outcome.out.splitlines() if "1/variance of e1" in line)
+    natural, weighted = (float(word) for word in line.split()[-2:])
+    assert natural == 1
+    assert 0 < weighted < 1
+    (line,) = (line for line in outcome.out.splitlines() if line.strip().startswith("e1 under"))
+    natural, weighted = (float(word) for word in line.split()[-2:])
+    assert abs(weighted) < min(0.005, abs(natural) / 3)
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("psf field.ms --uv-min 1e9", "a wider uv range is needed"),
+        ("psf field.ms --weight briggs", "--robust is for --weight briggs, which needs it"),
+        ("psf field.ms --robust 1", "--robust is for --weight briggs, which needs it"),
+        ("psf field.ms --taper-tukey 100", "--uv-max, its end, is needed"),
+        ("psf field.ms --taper-inner-tukey 100", "--uv-min, its start, is needed"),
+        ("psf field.ms --weight-sigma-arcsec 0", "0 is not above 0"),
+        ("psf field.ms --uv-min 1e9", "a wider uv range, or another weighting, is needed"),
         ("psf field.ms --uv-min 10 --uv-max 5", "uv-min < uv-max is needed"),
         ("psf field.ms --pixel-arcsec -1", "-1 is not above 0"),
         ("psf field.ms --pixel-arcsec 3", "pixels of sigma/5 or so are needed"),

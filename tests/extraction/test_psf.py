@@ -3,11 +3,11 @@ import pytest
 
 from uvshear.constants import ARCSEC, SPEED_OF_LIGHT
 from uvshear.errors import InputError
-from uvshear.extraction.facets import UvRange
 from uvshear.extraction.psf import point_spread_function, sample_coverage
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.imaging import ImageGrid
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
+from uvshear.interferometer.weighting import TukeyTaper, weighted
 
 GRID = ImageGrid(32, 0.5 * ARCSEC)
 
@@ -45,13 +45,13 @@ def _direct(observation: VisibilitySet, low: float, high: float) -> np.ndarray:
 @pytest.mark.parametrize(("low", "high"), [(0.0, np.inf), (5e3, 1.5e4)])
 def test_the_psf_is_the_direct_sum_over_the_uv_range(low: float, high: float) -> None:
     observation = _observation()
-    image = point_spread_function(observation, GRID, UvRange(low, high))
+    image = point_spread_function(weighted(observation, (TukeyTaper(low, high),)), GRID)
     np.testing.assert_allclose(image, _direct(observation, low, high), atol=2e-5)  # epsilon 1e-5
 
 
 def test_an_empty_uv_range_is_refused() -> None:
-    with pytest.raises(InputError, match="a wider uv range is needed"):
-        point_spread_function(_observation(), GRID, UvRange(1e7, 1e8))
+    with pytest.raises(InputError, match="a wider uv range, or another weighting, is needed"):
+        point_spread_function(weighted(_observation(), (TukeyTaper(1e7, 1e8),)), GRID)
 
 
 def test_the_coverage_has_every_row_with_weight() -> None:

@@ -1,9 +1,11 @@
+import math
+
 import numpy as np
 import pytest
 
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
-from uvshear.interferometer.psf_shape import measure_psf
+from uvshear.interferometer.psf_shape import fit_main_lobe, measure_psf
 from uvshear.typing import Array
 
 PIXEL = 0.2 * ARCSEC
@@ -43,3 +45,25 @@ def test_e1_is_long_along_l() -> None:
 def test_an_image_without_moments_is_refused() -> None:
     with pytest.raises(InputError, match="no second moments"):
         measure_psf(-np.ones((32, 32)), PIXEL)
+
+
+@pytest.mark.parametrize("e", [0j, 0.3 + 0j, 0.1 - 0.2j])
+def test_the_main_lobe_of_a_gaussian_is_the_gaussian(e: complex) -> None:
+    sigma = 2 * ARCSEC
+    lobe = fit_main_lobe(_gaussian(e, sigma), PIXEL)
+    assert abs(lobe.ellipticity - e) < 1e-6
+    assert lobe.fwhm == pytest.approx(math.sqrt(8 * math.log(2)) * sigma, rel=1e-6)
+
+
+def test_side_lobes_have_no_part_in_the_main_lobe() -> None:
+    x = (np.arange(160) - 80) * PIXEL
+    l, m = x[:, None], x[None, :]
+    beside = np.exp(-((l - 12 * ARCSEC) ** 2 + m**2) / (2 * ARCSEC) ** 2)
+    image = _gaussian(0.2 + 0j, 1 * ARCSEC) + 0.7 * beside
+    assert abs(fit_main_lobe(image, PIXEL).ellipticity - 0.2) < 1e-6
+
+
+@pytest.mark.parametrize("image", [np.ones((64, 64)), _gaussian(0j, 0.1 * ARCSEC)])
+def test_a_lobe_that_is_not_in_the_image_is_refused(image: Array) -> None:
+    with pytest.raises(InputError, match="other pixels or a wider weight are needed"):
+        fit_main_lobe(image, PIXEL)

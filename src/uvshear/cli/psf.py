@@ -14,6 +14,7 @@ from uvshear.cli.options import (
     thread_count,
     uv_range_of,
 )
+from uvshear.cli.psf_table import loss_rows, measure_figures, shape_rows
 from uvshear.cli.reading import (
     ColumnOption,
     ConjugateOption,
@@ -22,9 +23,20 @@ from uvshear.cli.reading import (
     reading_of,
 )
 from uvshear.cli.terminal import say, shorten, show_table
+from uvshear.cli.weightings import (
+    GaussianTaperOption,
+    InnerTukeyTaperOption,
+    RobustOption,
+    RoundPsfOption,
+    TukeyTaperOption,
+    WeightChoice,
+    WeightFieldOption,
+    WeightName,
+    WeightOption,
+)
 from uvshear.errors import InputError
 
-EPILOG = "Example: uvshear psf FIELD.ms -o field-psf.png"
+EPILOG = "Example: uvshear psf FIELD.ms --round-psf -o field-psf.png"
 
 
 def register(app: typer.Typer) -> None:
@@ -44,8 +56,16 @@ def psf(
         Path | None, typer.Option(help="Picture of the coverage; by default FIELD-uv.png.")
     ] = None,
     weight_sigma_arcsec: Annotated[
-        float, typer.Option(callback=positive, help="Of the Gaussian weight of the moments.")
-    ] = 3.0,
+        list[float] | None,
+        typer.Option(
+            help="Of the Gaussian weight of the moments; may be repeated. By default 1 and 3.",
+            show_default=False,
+        ),
+    ] = None,
+    scale_length_arcsec: Annotated[
+        float,
+        typer.Option(callback=positive, help="Of the galaxy whose shape information is told."),
+    ] = 1.0,
     pixel_arcsec: Annotated[
         float, typer.Option(callback=positive, help="Of the image of the PSF.")
     ] = 0.1,
@@ -55,6 +75,13 @@ def psf(
     uv_max: Annotated[
         float | None, typer.Option(callback=positive, help="Longest baseline used [wavelengths].")
     ] = None,
+    weight: WeightOption = WeightName.NATURAL,
+    robust: RobustOption = None,
+    weight_field_arcmin: WeightFieldOption = 10.0,
+    taper_gaussian_arcsec: GaussianTaperOption = None,
+    taper_tukey: TukeyTaperOption = None,
+    taper_inner_tukey: InnerTukeyTaperOption = None,
+    round_psf: RoundPsfOption = False,
     column: ColumnOption = "DATA",
     field: FieldOption = None,
     scans: ScansOption = None,
@@ -62,13 +89,29 @@ def psf(
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Ellipticity and size of the natural PSF from quadrupole moments, and the uv coverage."""
-    uv_range = uv_range_of(uv_min, uv_max)
+    """Ellipticity and size of the PSF, what a weighting makes of it and costs, and the uv coverage."""
+    uv_range_of(uv_min, uv_max)
+    sigmas = weight_sigma_arcsec or [1.0, 3.0]
+    for sigma in sigmas:
+        positive(sigma)
+    choice = WeightChoice(
+        weight,
+        robust,
+        weight_field_arcmin,
+        taper_gaussian_arcsec,
+        taper_tukey,
+        taper_inner_tukey,
+        round_psf,
+    )
+    weightings = choice.weightings(uv_min, uv_max)
 
     from uvshear.constants import ARCSEC
     from uvshear.extraction.psf import point_spread_function, sample_coverage
+    from uvshear.extraction.weighting_loss import weighting_loss
+    from uvshear.galaxy import Exponential
     from uvshear.imaging import ImageGrid
-    from uvshear.interferometer.psf_shape import measure_psf
+    from uvshear.interferometer.baseline_map import BaselineMap
+    from uvshear.interferometer.weighting import weighted
     from uvshear.io.observations import open_observation
     from uvshear.io.outputs import check_file
 
@@ -79,33 +122,35 @@ def psf(
         raise InputError(f"--output and --uv-output: both are {psf_picture}; give two names")
     for path in (psf_picture, uv_picture):
         check_file(path, overwrite=overwrite)
-    size = 2 * round(5 * weight_sigma_arcsec / pixel_arcsec)
+    size = 2 * round(5 * max(sigmas) / pixel_arcsec)
     if not 16 <= size <= 16384:
         raise InputError(
-            f"--weight-sigma-arcsec {weight_sigma_arcsec:g} --pixel-arcsec {pixel_arcsec:g}:"
+            f"--weight-sigma-arcsec {max(sigmas):g} --pixel-arcsec {pixel_arcsec:g}:"
             f" an image of {size} pixels; pixels of sigma/5 or so are needed"
         )
     reading = reading_of(column, field, scans, conjugates=conjugate)
-    observation = open_observation(measurement_sets, reading)
-    pixel = pixel_arcsec * ARCSEC
-    image = point_spread_function(
-        observation, ImageGrid(size, pixel), uv_range, threads=thread_count(threads)
-    )
-    shape = measure_psf(image, pixel, weight_sigma_arcsec * ARCSEC)
-    coverage = sample_coverage(observation)
-    rows = (
-        ("e1", f"{shape.ellipticity.real:+.4f}"),
-        ("e2", f"{shape.ellipticity.imag:+.4f}"),
-        ("size R = Q_ll + Q_mm", f"{shape.size / ARCSEC**2:.3f} arcsec2"),
-        ("under a weight of sigma", f"{weight_sigma_arcsec:g} arcsec"),
-        ("rows", f"{coverage.rows}"),
-    )
-    show_table("PSF at the phase centre, natural weights", ("quantity", "value"), rows)
+    natural = open_observation(measurement_sets, reading)
+    grid = ImageGrid(size, pixel_arcsec * ARCSEC)
+    images = {"natural": point_spread_function(natural, grid, threads=thread_count(threads))}
+    loss = None
+    if weightings:
+        observation = weighted(natural, weightings)
+        images["weighted"] = point_spread_function(observation, grid, threads=thread_count(threads))
+        cells = BaselineMap.of(observation.with_factors())
+        loss = weighting_loss(cells, scale_length_arcsec * ARCSEC, Exponential())
+    figures = [measure_figures(image, grid.pixel, sigmas) for image in images.values()]
+    coverage = sample_coverage(natural)
+    rows = shape_rows(figures, sigmas)
+    if loss is not None:
+        rows += loss_rows(loss, scale_length_arcsec)
+    show_table(f"PSF at the phase centre, {coverage.rows} rows", ("quantity", *images), rows)
 
     from uvshear.plot import draw_psf, draw_uv_coverage, save
 
+    shown, title = list(images.values())[-1], f"PSF, {shorten(stem)}"
+    title += ", weighted" if weightings else ""
     save(
-        draw_psf(image, pixel, shape.ellipticity, f"PSF, {shorten(stem)}"),
+        draw_psf(shown, grid.pixel, figures[-1].ellipticity, title),
         psf_picture,
         overwrite=overwrite,
     )

@@ -5,22 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from uvshear.errors import InputError
-from uvshear.extraction.facets import UvRange
 from uvshear.imaging import ImageGrid, dirty_image
 from uvshear.interferometer.visibilities import Observation
 from uvshear.typing import Array, Float
 
-EVERYTHING = UvRange()
-
 
 def point_spread_function(
-    observation: Observation,
-    grid: ImageGrid,
-    uv_range: UvRange = EVERYTHING,
-    *,
-    threads: int = 1,
+    observation: Observation, grid: ImageGrid, *, threads: int = 1
 ) -> Float[Array, "l m"]:
-    r"""Natural-weight beam of the baselines in a uv range, 1 at its centre.
+    r"""Beam of an observation's weights, 1 at its centre.
 
     .. math:: P(l, m) = \sum_k w_k \cos 2\pi (u_k l + v_k m + w_k (n - 1)) / \sum_k w_k
     """
@@ -28,16 +21,12 @@ def point_spread_function(
     total = 0.0
     for chunk in observation.chunks():
         weights = chunk.weights
-        if not uv_range.is_everything:
-            length = chunk.uv_distance
-            weights = weights * ((length >= uv_range.minimum) & (length <= uv_range.maximum))
         unit = np.ones(weights.shape, np.result_type(weights.dtype, np.complex64))
         image += dirty_image(chunk.uvw, chunk.frequency, unit, weights, grid, threads=threads)
         total += float(weights.sum(dtype=float))
     if total == 0:
         raise InputError(
-            f"no visibility between {uv_range.minimum:g} and {uv_range.maximum:g} wavelengths"
-            " carries weight; a wider uv range is needed"
+            "no visibility carries weight; a wider uv range, or another weighting, is needed"
         )
     return image / total
 

@@ -1,10 +1,12 @@
-"""Ellipticity and size of a point spread function, from its quadrupole moments."""
+"""Ellipticity and size of a point spread function: from its quadrupole moments, and of its main lobe."""
 
 import math
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from scipy.ndimage import label
+from scipy.optimize import least_squares
 
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
@@ -14,6 +16,9 @@ WEIGHT_SIGMA: Final = 3 * ARCSEC
 """Width of the weight that reproduces the sizes R of Rivi & Miller 2018, section 5 [rad]."""
 
 MOST_ROUNDS: Final = 500
+
+FEWEST_PIXELS: Final = 9
+"""Of a main lobe that can be fitted."""
 
 
 @dataclass(frozen=True)
@@ -90,3 +95,48 @@ def measure_psf(
             break
     ellipticity = (q_ll - q_mm + 2j * q_lm) / (q_ll + q_mm + 2 * root)
     return PsfShape(ellipticity, q_ll + q_mm, weight_sigma)
+
+
+@dataclass(frozen=True)
+class MainLobe:
+    """Gaussian fitted to the main lobe of a point spread function.
+
+    Parameters
+    ----------
+    ellipticity
+        e1 + i e2, in the (l, m) frame.
+    fwhm
+        Full width at half maximum, the geometric mean of both axes [rad].
+    """
+
+    ellipticity: complex
+    fwhm: float
+
+
+def fit_main_lobe(image: Float[Array, "l m"], pixel: float) -> MainLobe:
+    """Fit a Gaussian of height 1 by least squares where the lobe is above half of its peak.
+
+    Parameters
+    ----------
+    image
+        As in :func:`measure_psf`, 1 at its centre.
+    """
+    centre = len(image) // 2
+    regions, _ = label(image > 0.5)
+    inside = (regions == regions[centre, centre]) & (image > 0.5)
+    edge = np.concatenate([inside[0], inside[-1], inside[:, 0], inside[:, -1]])
+    if edge.any() or not inside[centre, centre] or inside.sum() < FEWEST_PIXELS:
+        raise InputError(
+            f"the main lobe of the PSF is not in an image of {len(image)} pixels of {pixel / ARCSEC:g} arcsec;"
+            " other pixels or a wider weight are needed"
+        )
+    offset = np.arange(len(image)) - centre
+    l, m = (axis[inside].astype(float) for axis in np.meshgrid(offset, offset, indexing="ij"))
+    squares, values = np.stack([l * l, 2 * l * m, m * m]), image[inside]
+    start = np.linalg.lstsq(squares.T, -np.log(values), rcond=None)[0]
+    form = least_squares(lambda form: np.exp(-form @ squares) - values, start).x
+    covariance = np.linalg.inv(2 * form[[0, 1, 1, 2]].reshape(2, 2)) * pixel**2
+    q_ll, q_lm, q_mm = covariance[0, 0], covariance[0, 1], covariance[1, 1]
+    root = math.sqrt(q_ll * q_mm - q_lm**2)
+    e = complex(q_ll - q_mm, 2 * q_lm) / (q_ll + q_mm + 2 * root)
+    return MainLobe(e, math.sqrt(8 * math.log(2) * root))

@@ -9,7 +9,7 @@ from uvshear.typing import Array, Float
 
 
 def draw_psf(
-    image: Float[Array, "l m"], pixel: float, ellipticity: complex, title: str = "PSF"
+    image: Float[Array, "l m"], pixel: float, ellipticity: complex | None, title: str = "PSF"
 ) -> Figure:
     """Draw the point spread function, North up and East left, and its profiles along l and m.
 
@@ -20,7 +20,7 @@ def draw_psf(
     pixel
         [rad].
     ellipticity
-        Quoted in the title.
+        Quoted in the title, if there is one.
     """
     size = len(image)
     offset = (np.arange(size) - size // 2) * pixel / ARCSEC
@@ -37,9 +37,9 @@ def draw_psf(
     )
     picture.invert_xaxis()
     picture.set(xlabel="$l$ [arcsec], East to the left", ylabel="$m$ [arcsec], North up")
-    picture.set_title(
-        f"{title}\n$e$ = {ellipticity.real:+.4f} {ellipticity.imag:+.4f}i", fontsize="medium"
-    )
+    if ellipticity is not None:
+        title += f"\n$e$ = {ellipticity.real:+.4f} {ellipticity.imag:+.4f}i"
+    picture.set_title(title, fontsize="medium")
     bar = figure.colorbar(shown, ax=picture, label="relative to the peak (asinh scale)")
     ticks = np.array([-0.1, -0.02, 0, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0])
     ticks = ticks[(ticks >= psf.min()) & (ticks <= 1)]

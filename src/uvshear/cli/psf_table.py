@@ -1,0 +1,92 @@
+"""The table that ``uvshear psf`` shows: shapes of point spread functions, and what a weighting costs."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ParamSpec, TypeVar
+
+from uvshear.cli.terminal import warn
+from uvshear.errors import InputError
+
+if TYPE_CHECKING:
+    from uvshear.extraction.weighting_loss import WeightingLoss
+    from uvshear.interferometer.psf_shape import MainLobe, PsfShape
+    from uvshear.typing import Array, Float
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class PsfFigures:
+    """Shapes of one PSF: under each weight, and of its main lobe; None of what has none."""
+
+    moments: "tuple[PsfShape | None, ...]"
+    lobe: "MainLobe | None"
+
+    @property
+    def ellipticity(self) -> complex | None:
+        """Under the last of the weights."""
+        last = self.moments[-1]
+        return last.ellipticity if last else None
+
+
+def measure_figures(
+    image: "Float[Array, 'l m']", pixel: float, sigmas: Sequence[float]
+) -> PsfFigures:
+    """Measure an image on pixels of ``pixel`` [rad], under weights of so many arcsec."""
+    from uvshear.constants import ARCSEC
+    from uvshear.interferometer.psf_shape import fit_main_lobe, measure_psf
+
+    moments = [_told(measure_psf, image, pixel, sigma * ARCSEC) for sigma in sigmas]
+    return PsfFigures(tuple(moments), _told(fit_main_lobe, image, pixel))
+
+
+def _told(measure: Callable[P, T], *arguments: P.args, **options: P.kwargs) -> T | None:
+    """Return what is measured; what cannot be is told, and is None."""
+    try:
+        return measure(*arguments, **options)
+    except InputError as error:
+        warn(str(error))
+        return None
+
+
+def shape_rows(figures: Sequence[PsfFigures], sigmas: Sequence[float]) -> list[tuple[str, ...]]:
+    """Lay out the shapes of PSFs, a column each."""
+    from uvshear.constants import ARCSEC
+
+    rows: list[tuple[str, ...]] = []
+    for index, sigma in enumerate(sigmas):
+        moments = [one.moments[index] for one in figures]
+        under = f"under a weight of sigma {sigma:g} arcsec"
+        rows += [
+            _row(f"e1 {under}", moments, lambda shape: f"{shape.ellipticity.real:+.4f}"),
+            _row(f"e2 {under}", moments, lambda shape: f"{shape.ellipticity.imag:+.4f}"),
+            _row(
+                "size R = Q_ll + Q_mm",
+                moments,
+                lambda shape: f"{shape.size / ARCSEC**2:.3f} arcsec2",
+            ),
+        ]
+    lobes = [one.lobe for one in figures]
+    return [
+        *rows,
+        _row("e1 of the main lobe", lobes, lambda lobe: f"{lobe.ellipticity.real:+.4f}"),
+        _row("e2 of the main lobe", lobes, lambda lobe: f"{lobe.ellipticity.imag:+.4f}"),
+        _row("FWHM of the main lobe", lobes, lambda lobe: f"{lobe.fwhm / ARCSEC:.3f} arcsec"),
+    ]
+
+
+def _row(name: str, values: Sequence[T | None], shown: Callable[[T], str]) -> tuple[str, ...]:
+    return (name, *("-" if value is None else shown(value) for value in values))
+
+
+def loss_rows(loss: "WeightingLoss", scale_length_arcsec: float) -> list[tuple[str, ...]]:
+    """Lay out what a weighting has left of what natural weights have."""
+    disc = f"a disc of scale length {scale_length_arcsec:g} arcsec"
+    return [
+        ("SNR of a point source", "1", f"{loss.snr_point:.4f}"),
+        (f"SNR of {disc}", "1", f"{loss.snr_galaxy:.4f}"),
+        (f"1/variance of e1 of {disc}", "1", f"{loss.information[0]:.4f}"),
+        (f"1/variance of e2 of {disc}", "1", f"{loss.information[1]:.4f}"),
+    ]

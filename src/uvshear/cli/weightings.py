@@ -1,0 +1,138 @@
+"""Options that weigh baselines, under the names that imagers have for them."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from uvshear.cli.options import finite, positive
+from uvshear.errors import InputError
+
+if TYPE_CHECKING:
+    from uvshear.interferometer.weighting import Weighting
+
+
+class WeightName(StrEnum):
+    """Between the best SNR and the best resolution."""
+
+    NATURAL = "natural"
+    UNIFORM = "uniform"
+    BRIGGS = "briggs"
+
+
+PANEL = "Weighting"
+
+WeightOption = Annotated[
+    WeightName,
+    typer.Option("--weight", help="Of the cells of the uv plane.", rich_help_panel=PANEL),
+]
+RobustOption = Annotated[
+    float | None,
+    typer.Option(
+        "--robust",
+        callback=finite,
+        help="Of --weight briggs: from -2 (uniform) to 2 (natural).",
+        rich_help_panel=PANEL,
+    ),
+]
+WeightFieldOption = Annotated[
+    float,
+    typer.Option(
+        "--weight-field-arcmin",
+        callback=positive,
+        help="Cells are one over this wide: an imager's field of view.",
+        rich_help_panel=PANEL,
+    ),
+]
+GaussianTaperOption = Annotated[
+    float | None,
+    typer.Option(
+        "--taper-gaussian-arcsec",
+        callback=positive,
+        help="FWHM of the beam that a Gaussian taper makes of a point.",
+        rich_help_panel=PANEL,
+    ),
+]
+TukeyTaperOption = Annotated[
+    float | None,
+    typer.Option(
+        "--taper-tukey",
+        callback=positive,
+        help="Length of the cosine that ends at --uv-max [wavelengths].",
+        rich_help_panel=PANEL,
+    ),
+]
+InnerTukeyTaperOption = Annotated[
+    float | None,
+    typer.Option(
+        "--taper-inner-tukey",
+        callback=positive,
+        help="Length of the cosine that begins at --uv-min [wavelengths].",
+        rich_help_panel=PANEL,
+    ),
+]
+RoundPsfOption = Annotated[
+    bool,
+    typer.Option(
+        "--round-psf",
+        help="Weigh directions on every ring of the uv plane until the PSF is round.",
+        rich_help_panel=PANEL,
+    ),
+]
+
+
+@dataclass(frozen=True)
+class WeightChoice:
+    """What the options say."""
+
+    weight: WeightName
+    robust: float | None
+    field_arcmin: float
+    taper_gaussian_arcsec: float | None
+    taper_tukey: float | None
+    taper_inner_tukey: float | None
+    round_psf: bool
+
+    def weightings(self, uv_min: float, uv_max: float | None) -> "tuple[Weighting, ...]":
+        """Return weightings in the order of application, the uv range among them; none of natural weights."""
+        import math
+
+        from uvshear.constants import ARCSEC
+        from uvshear.interferometer.weighting import (
+            Briggs,
+            GaussianTaper,
+            RoundPsf,
+            TukeyTaper,
+            Uniform,
+        )
+
+        if (self.robust is not None) != (self.weight is WeightName.BRIGGS):
+            raise InputError(
+                f"--weight {self.weight.value}: --robust is for --weight briggs, which needs it"
+            )
+        if self.taper_tukey is not None and uv_max is None:
+            raise InputError(f"--taper-tukey {self.taper_tukey:g}: --uv-max, its end, is needed")
+        if self.taper_inner_tukey is not None and not uv_min:
+            raise InputError(
+                f"--taper-inner-tukey {self.taper_inner_tukey:g}: --uv-min, its start, is needed"
+            )
+        longest = math.inf if uv_max is None else uv_max
+        chosen: list[Weighting] = []
+        if uv_min > 0 or longest < math.inf:
+            # What is cut has no part in the density.
+            chosen.append(TukeyTaper(uv_min, longest))
+        field = math.radians(self.field_arcmin / 60)
+        if self.weight is WeightName.UNIFORM:
+            chosen.append(Uniform(field))
+        if self.robust is not None:
+            chosen.append(Briggs(self.robust, field))
+        if self.taper_gaussian_arcsec is not None:
+            chosen.append(GaussianTaper(self.taper_gaussian_arcsec * ARCSEC))
+        rise, fall = self.taper_inner_tukey or 0.0, self.taper_tukey or 0.0
+        if rise or fall:
+            chosen.append(TukeyTaper(uv_min, longest, rise, fall))
+        if self.round_psf:
+            chosen.append(RoundPsf())
+        return tuple(chosen)

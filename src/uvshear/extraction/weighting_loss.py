@@ -1,0 +1,80 @@
+"""What a weighting costs: the signal-to-noise ratio of sources, and what is known of their shapes."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.galaxy import Profile
+from uvshear.geometry.ellipticity import quadratic_form_derivatives, quadratic_form_of
+from uvshear.interferometer.baseline_map import BaselineMap
+from uvshear.typing import Array, Float
+
+
+@dataclass(frozen=True)
+class WeightingLoss:
+    """What is left of what natural weights have.
+
+    Parameters
+    ----------
+    snr_point, snr_galaxy
+        Part of the signal-to-noise ratio of a point source and of a galaxy, measured by its own model.
+    information
+        Part of 1/variance of e1 and of e2 of the galaxy, its flux and size free.
+    variance_over_beam
+        Variance of its ellipticity over the variance that one would read off the weights as if they were 1/sigma^2.
+    """
+
+    snr_point: float
+    snr_galaxy: float
+    information: tuple[float, float]
+    variance_over_beam: float
+
+
+def weighting_loss(
+    cells: BaselineMap, scale_length: float, profile: Profile, ellipticity: complex = 0j
+) -> WeightingLoss:
+    r"""Loss for a galaxy of a scale length [rad], by the covariance of what is linear in visibilities.
+
+    With D the derivatives of the model by flux, ellipticity and ln(scale length), natural weights w and factors T,
+
+    .. math::
+        \mathrm{cov}_T = H^{-1} J H^{-1},\quad H = \sum w T D D^T,\ J = \sum w T^2 D D^T,\quad
+        \mathrm{cov} = \left(\sum w D D^T\right)^{-1}
+
+    Positions are left out: a model's derivative by its position is imaginary where the others are real.
+    """
+    derivatives = _derivatives(cells, scale_length, profile, ellipticity)
+    natural, once, twice = (
+        (derivatives * weight) @ derivatives.T for weight in (cells.weight, cells.once, cells.twice)
+    )
+    by_beam = np.linalg.inv(once)
+    covariance = by_beam @ twice @ by_beam
+    best = np.diag(np.linalg.inv(natural))[1:3]
+    variance = np.diag(covariance)[1:3]
+    model = derivatives[0]
+    information = best / variance
+    return WeightingLoss(
+        snr_point=_snr(cells, np.ones_like(model)),
+        snr_galaxy=_snr(cells, model),
+        information=(float(information[0]), float(information[1])),
+        variance_over_beam=float(variance.sum() / np.diag(by_beam)[1:3].sum()),
+    )
+
+
+def _snr(cells: BaselineMap, model: Float[Array, " cell"]) -> float:
+    """Part of the signal-to-noise ratio that is left of a model's flux."""
+    natural, once, twice = (
+        float(np.sum(weight * model**2)) for weight in (cells.weight, cells.once, cells.twice)
+    )
+    return once / math.sqrt(natural * twice)
+
+
+def _derivatives(
+    cells: BaselineMap, scale_length: float, profile: Profile, ellipticity: complex
+) -> Float[Array, "4 cell"]:
+    """Of the model by flux, e1, e2, ln(scale length), for unit flux."""
+    squares = 4 * math.pi**2 * np.stack([cells.u**2, cells.u * cells.v, cells.v**2])
+    q = quadratic_form_of(ellipticity, scale_length) @ squares
+    by_form = quadratic_form_derivatives(ellipticity, scale_length) @ squares
+    return np.concatenate([profile.envelope(q)[None], profile.envelope_slope(q) * by_form])
