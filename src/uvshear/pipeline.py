@@ -34,6 +34,8 @@ from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
 from uvshear.measurement import Extracted, Field, MeasurementOptions, Progress
 from uvshear.measurement.metacal import MetacalStatistic
+from uvshear.measurement.natural_snr import with_natural_snr
+from uvshear.measurement.weighed import weigh
 from uvshear.predict.response import FAINTEST, Response
 from uvshear.shear.bayesian import UnlensedPopulation
 from uvshear.shear.estimator import BayesianShear, MeanShear, MetacalShear, MomentShear
@@ -128,7 +130,26 @@ def extract(
     """
     extent = measure_extent(observation)
     field = _prepare(catalogue, observation.phase_centre, extent, options)
-    return field, options.extraction.measure(observation, field, options, progress)
+    if not options.weightings or len(field.modelled) == 0:
+        return field, options.extraction.measure(observation, field, options, progress)
+    weighed = weigh(observation, field, options)
+    field = replace(field, extent=measure_extent(weighed))
+    extracted = options.extraction.measure(weighed, field, options, progress)
+    quoted = with_natural_snr(
+        extracted.measurements,
+        observation,
+        extracted.sky,
+        options.profile,
+        options.threads,
+        Response.of(
+            field.sky.select(field.modelled),
+            extent.probes,
+            options.attenuation(observation.phase_centre.dec)
+            if options.extraction.models_losses
+            else None,
+        ),
+    )
+    return field, replace(extracted, measurements=quoted)
 
 
 SAME_PLACE = 0.25

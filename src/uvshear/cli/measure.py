@@ -29,6 +29,17 @@ from uvshear.cli.reading import (
     reading_of,
 )
 from uvshear.cli.terminal import progress_bar, say, shorten, warn
+from uvshear.cli.weightings import (
+    GaussianTaperOption,
+    InnerTukeyTaperOption,
+    RobustOption,
+    RoundPsfOption,
+    TukeyTaperOption,
+    WeightChoice,
+    WeightFieldOption,
+    WeightName,
+    WeightOption,
+)
 from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
 
@@ -126,6 +137,13 @@ def measure(
         ),
     ] = True,
     primary_beam: PrimaryBeamOption = BeamName.NONE,
+    weight: WeightOption = WeightName.NATURAL,
+    robust: RobustOption = None,
+    weight_field_arcmin: WeightFieldOption = 10.0,
+    taper_gaussian_arcsec: GaussianTaperOption = None,
+    taper_tukey: TukeyTaperOption = None,
+    taper_inner_tukey: InnerTukeyTaperOption = None,
+    round_psf: RoundPsfOption = False,
     size_prior: Annotated[
         SizePriorName, typer.Option(help="Prior on the size: by the flux, or scale_length.")
     ] = SizePriorName.FLUX,
@@ -180,6 +198,16 @@ def measure(
             " --extraction converged is needed"
         )
     statistics = statistics_of(keep, extraction, profile_of(profile))
+    choice = WeightChoice(
+        weight,
+        robust,
+        weight_field_arcmin,
+        taper_gaussian_arcsec,
+        taper_tukey,
+        taper_inner_tukey,
+        round_psf,
+    )
+    weightings = choice.besides_the_range(uv_min or 0.0, uv_max, keep)
 
     from uvshear.constants import ARCSEC
     from uvshear.io.catalogue import read_catalogue
@@ -209,6 +237,7 @@ def measure(
         profile=profile_of(profile),
         size=size_of(size_prior, sources, catalogue),
         uv_range=uv_range,
+        weightings=weightings,
         smears=smearing,
         primary_beam=beam_of(
             primary_beam, lambda: dish_diameters(measurement_sets), str(measurement_sets[0])

@@ -95,6 +95,21 @@ class WeightChoice:
     taper_inner_tukey: float | None
     round_psf: bool
 
+    def besides_the_range(
+        self, uv_min: float, uv_max: float | None, keep: str | None
+    ) -> "tuple[Weighting, ...]":
+        """Return weightings for a measurement, which knows the uv range, and may ``keep`` statistics."""
+        chosen = self.weightings(uv_min, uv_max)
+        has_range = uv_min > 0 or uv_max is not None
+        if len(chosen) == has_range:
+            return ()
+        if keep is not None:
+            raise InputError(
+                f"--keep {keep}: what is kept takes the noise for that of natural weights;"
+                " no other weighting can be had with it"
+            )
+        return chosen
+
     def weightings(self, uv_min: float, uv_max: float | None) -> "tuple[Weighting, ...]":
         """Return weightings in the order of application, the uv range among them; none of natural weights."""
         import math

@@ -236,21 +236,26 @@ class RoundPsf(Weighting):
         multipliers = _multipliers(BaselineMap.of((seen, None) for seen in observation.chunks()))
 
         def factors(seen: Visibilities) -> Float[Array, "row chan"]:
-            first, second = multipliers[:, rings_of(seen.uv_distance)]
+            whole, first, second = multipliers[:, rings_of(seen.uv_distance)]
             u, v = seen.uvw[:, 0, None], seen.uvw[:, 1, None]
             square = np.maximum(u * u + v * v, np.finfo(float).tiny)
             cosine, sine = (u * u - v * v) / square, 2 * u * v / square
-            return np.maximum(0.0, 1 - first * cosine - second * sine)
+            return np.maximum(0.0, whole - first * cosine - second * sine)
 
         return factors
 
 
 MOST_STEPS = 100
 _ROUND = 1e-10
+_NOTHING = 1e-6
+"""Part of a ring's weight that is taken for none."""
 
 
-def _multipliers(cells: BaselineMap) -> Float[Array, "2 ring"]:
-    """Newton's method for lambda of all rings at once: the sums are piecewise linear in it, and convex."""
+def _multipliers(cells: BaselineMap) -> Float[Array, "3 ring"]:
+    """Return 1 and lambda of each ring; zeros of one that keeps nothing.
+
+    Newton's method for all rings at once: the sums are piecewise linear in lambda, and convex.
+    """
     angle = 2 * np.arctan2(cells.v, cells.u)
     waves = np.stack([np.cos(angle), np.sin(angle)])
     ring, weight = cells.ring, cells.weight
@@ -275,4 +280,6 @@ def _multipliers(cells: BaselineMap) -> Float[Array, "2 ring"]:
         determinant = cc * ss - cs**2
         step = np.stack([ss * left[0] - cs * left[1], cc * left[1] - cs * left[0]]) / determinant
         multipliers = multipliers + step
-    return multipliers
+    kept = np.maximum(0.0, 1 - (multipliers[:, ring] * waves).sum(axis=0))
+    keeps = sums(weight * kept) > _NOTHING * total
+    return np.concatenate([np.ones((1, RINGS)), multipliers]) * keeps

@@ -17,6 +17,7 @@ from uvshear.galaxy import (
     SizeModel,
 )
 from uvshear.interferometer.attenuation import Attenuation, total_attenuation
+from uvshear.interferometer.weighting import Weighting
 from uvshear.measurement.converged import ConvergedExtraction
 from uvshear.measurement.extraction import Extraction
 from uvshear.measurement.keep import Statistic
@@ -50,6 +51,9 @@ class MeasurementOptions:
         Distribution of intrinsic ellipticities, for the weights.
     uv_range
         Baselines that take part in the shape.
+    weightings
+        Applied to the natural weights one after the other (``interferometer.weighting``), which costs information.
+        Errors are then right for galaxies of the field's median size. None of them unless given.
     position_radius
         Radius of the uniform prior on the position [rad]; None stands for one width of the correlation's peak.
     field_radius
@@ -72,6 +76,7 @@ class MeasurementOptions:
     ellipticity: EllipticityPrior = field(default_factory=FlatEllipticityPrior)
     population: EllipticityPrior = field(default_factory=DiscEllipticityPrior)
     uv_range: UvRange = field(default_factory=UvRange)
+    weightings: tuple[Weighting, ...] = ()
     position_radius: float | None = None
     field_radius: float = np.radians(5.0)
     smears: bool = True
@@ -87,3 +92,8 @@ class MeasurementOptions:
     def __post_init__(self) -> None:
         if not self.memory > 0:
             raise InputError(f"memory of {self.memory:g} bytes; more than 0 are needed")
+        if self.keep and self.weightings:
+            raise InputError(
+                "what is kept for shears (--keep) takes the noise for that of natural weights;"
+                " no other weighting can be had with it"
+            )
