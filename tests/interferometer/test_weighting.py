@@ -48,9 +48,9 @@ def _samples(observation) -> np.ndarray:
 
 
 def _cell(u: float, v: float) -> tuple[int, int]:
-    cell = round(u * FIELD), round(v * FIELD)
-    opposite = -cell[0], -cell[1]
-    return max(cell, opposite)
+    if v < 0:
+        u, v = -u, -v
+    return math.floor(u * FIELD), math.floor(v * FIELD)
 
 
 def _densities(observation) -> tuple[Counter, list]:

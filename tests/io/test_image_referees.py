@@ -14,13 +14,23 @@ from astropy.table import Table
 from astropy.wcs import WCS
 
 from uvshear.constants import ARCSEC
+from uvshear.extraction.psf import point_spread_function
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.imaging import ImageGrid
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.noise import ScaledNoise
 from uvshear.interferometer.spectral_window import Channels
+from uvshear.interferometer.weighting import (
+    Briggs,
+    GaussianTaper,
+    TukeyTaper,
+    Uniform,
+    weighted,
+)
 from uvshear.io.measurement_set_writer import write_measurement_set
+from uvshear.io.observations import open_observation
 from uvshear.simulation.observation import SimulatedObservation
 
 pytestmark = pytest.mark.referee
@@ -116,6 +126,42 @@ def test_east_is_left_and_north_is_up(point_image):
     ra, dec = WCS(header, fix=False).celestial.pixel_to_world_values(column, row)
     assert ra > 150
     assert dec > -30
+
+
+WEIGHTED_SIZE = 512
+PADDED = 616  # 1.2 times that: the image that wsclean makes, and counts its cells by
+LONGEST = 1e5  # pixels carry no longer ones, which wsclean leaves out and ours would alias
+
+
+@pytest.mark.parametrize(
+    ("options", "weightings"),
+    [
+        (("-weight", "natural"), ()),
+        (("-weight", "uniform"), (Uniform(PADDED * PIXEL),)),
+        (
+            ("-weight", "briggs", "0.5", "-taper-gaussian", "4asec"),
+            (Briggs(0.5, PADDED * PIXEL), GaussianTaper(4 * ARCSEC)),
+        ),
+        (
+            ("-weight", "natural", "-taper-tukey", "60000"),
+            (TukeyTaper(longest=LONGEST, fall=60000.0),),
+        ),
+    ],
+    ids=["natural", "uniform", "briggs-taper", "tukey"],
+)
+def test_weights_are_wsclean_s(tmp_path, options, weightings):
+    nobody = _galaxies([0.0], [0.0], [1e-3], [0.0], [0])
+    size = ("-size", str(WEIGHTED_SIZE), str(WEIGHTED_SIZE), "-scale", "1asec")
+    _image(tmp_path, nobody, "-maxuv-l", str(LONGEST), *options, *size, "-make-psf-only")
+    theirs = fits.getdata(tmp_path / "image-psf.fits")[0, 0]
+    cut = TukeyTaper(longest=LONGEST)
+    observation = weighted(open_observation([tmp_path / "field.ms"]), (cut, *weightings))
+    ours = point_spread_function(observation, ImageGrid(WEIGHTED_SIZE, PIXEL), threads=2)
+    # columns of theirs are along -l; both have their centre at size/2
+    theirs = theirs[1:, :0:-1].T
+    # 0.02 and more with cells of another size, or a robustness 0.05 off
+    assert np.max(np.abs(ours[1:, 1:] - theirs)) < 4e-3
+    assert np.ptp(ours) > 0.9
 
 
 SHAPES = [(0.35, 0.0), (0.0, 0.35), (0.0, -0.35), (-0.25, 0.25)]

@@ -208,9 +208,9 @@ class _Density:
 
     def _cells(self, seen: Visibilities) -> Int[Array, "row chan"]:
         scale = self.field * seen.frequency / SPEED_OF_LIGHT
-        u, v = (np.rint(seen.uvw[:, axis, None] * scale).astype(int) for axis in (0, 1))
+        u, v = (seen.uvw[:, axis, None] * scale for axis in (0, 1))
         flipped = np.where((v < 0) | ((v == 0) & (u < 0)), -1, 1)
-        u, v = u * flipped, v * flipped
+        u, v = (np.floor(part * flipped).astype(int) for part in (u, v))
         inside = (np.abs(u) <= self.half) & (v <= self.half)
         return np.where(inside, v * (2 * self.half + 1) + u + self.half, -1)
 
