@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 INSTALLED := $(VENV)/.installed
 
-.PHONY: install demo test lint referees test-referees clean
+.PHONY: install demo test lint referees test-referees chain clean
 
 install: $(INSTALLED)
 
@@ -34,5 +34,9 @@ referees: install
 test-referees: referees
 	$(BIN)/pytest -m referee
 
+# simulate, wsclean, PyBDSF, measure, shear: what comes of a source finder's catalogue, against the true one.
+chain: referees
+	$(BIN)/python benchmarks/chain.py uvshear-chain --overwrite
+
 clean:
-	rm -rf $(VENV) uvshear-demo
+	rm -rf $(VENV) uvshear-demo uvshear-chain
