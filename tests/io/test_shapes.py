@@ -3,11 +3,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import treecorr
 from astropy.table import Table
 
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
-from uvshear.geometry.directions import PhaseCentre
+from uvshear.geometry.directions import PhaseCentre, equatorial
 from uvshear.io.provenance import Provenance
 from uvshear.io.shapes import COLUMNS, inside, read_shapes, shapes_table, write_shapes
 from uvshear.typing import Array
@@ -109,6 +110,35 @@ def test_the_sky_frame_is_rotated_and_flipped_as_treecorr_wants_it() -> None:
     np.testing.assert_allclose(table["g1"], [0.2, 0], atol=1e-12)
     np.testing.assert_allclose(table["g2"], [0, -0.2], atol=1e-12)
     np.testing.assert_allclose(table["position_angle"], [90, 45], atol=1e-9)
+
+
+def test_treecorr_takes_the_file_as_it_is(tmp_path: Path) -> None:
+    """A tangential shear around a lens far off the centre, where local North is 0.06 rad from m."""
+    lens, gamma_t, number = 0.0105 + 0.002j, 0.05, 4000
+    rng = np.random.default_rng(5)
+    offset = rng.uniform(2e-4, 2e-3, number) * np.exp(2j * np.pi * rng.uniform(0, 1, number))
+    e = -gamma_t * (offset / np.abs(offset)) ** 2  # long axis across the line to the lens
+    values = _values(number)
+    values |= {"l": (lens + offset).real, "m": (lens + offset).imag, "e1": e.real, "e2": e.imag}
+    # What was not measured has no ellipticity, and no weight; what weighs nothing has no say.
+    values["weight"] = rng.uniform(1, 10, number)
+    values["weight"][:200] = 0
+    values["e1"][:100] = np.nan
+    values["e2"][100:200] = 7.0
+    path = tmp_path / "shapes.fits"
+    write_shapes(path, shapes_table(values, CENTRE))
+    names = {name: f"{name}_col" for name in ("ra", "dec", "g1", "g2")}
+    columns = {option: name for name, option in names.items()}
+    units_of_angle = {"ra_units": "deg", "dec_units": "deg"}
+    sources = treecorr.Catalog(str(path), **columns, w_col="weight", **units_of_angle)
+    assert sources.sumw == pytest.approx(values["weight"].sum())
+    ra, dec = equatorial(CENTRE, np.array([lens.real]), np.array([lens.imag]))
+    lenses = treecorr.Catalog(ra=np.degrees(ra), dec=np.degrees(dec), **units_of_angle)
+    found = treecorr.NGCorrelation(min_sep=1e-4, max_sep=3e-3, nbins=4, sep_units="rad", brute=True)
+    found.process(lenses, sources, num_threads=1)
+    filled = found.npairs > 0
+    np.testing.assert_allclose(found.xi[filled], gamma_t, rtol=2e-4)
+    np.testing.assert_allclose(found.xi_im[filled], 0, atol=2e-4 * gamma_t)
 
 
 def test_a_missing_value_is_named() -> None:
