@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from astropy.table import Table
+from casacore.tables import table
 
 SIMULATE = (
     "--layout", "meerkat", "--declination-deg", "-30", "--hours", "0.5", "--integration-s", "300",
@@ -57,6 +58,34 @@ def test_what_was_averaged_and_seen_by_dishes_is_measured_as_it_is(
     wrong = _measured(uvshear, tmp_path, catalogue, "--no-smearing")
     assert np.abs(wrong["e1"] - truth["e1"]).max() > 0.02
     assert wrong["flux_fit"].max() < 9e3
+
+
+def test_dishes_look_where_they_pointed_whatever_the_phase_centre(
+    uvshear: Callable, tmp_path: Path, catalogue: Path
+) -> None:
+    """A set whose REFERENCE_DIR is moved: fluxes become those of a beam that is elsewhere."""
+    simulated = uvshear(
+        *("simulate", "--catalogue", catalogue, *SIMULATE, "--primary-beam", "meerkat"),
+        *("-o", tmp_path / "field.ms"),
+    )
+    assert simulated.status == 0, simulated.err
+    moved = 0.004
+    with table(str(tmp_path / "field.ms" / "FIELD"), readonly=False, ack=False) as fields:
+        direction = fields.getcell("REFERENCE_DIR", 0)
+        direction[0, 1] += np.arcsin(moved)  # North
+        fields.putcell("REFERENCE_DIR", 0, direction)
+    shapes = _measured(uvshear, tmp_path, catalogue, "--primary-beam", "meerkat")
+    truth = Table.read(catalogue)
+    width = np.radians(57.5 / 60) * 1.5e9 / 1.0005e9
+
+    def power(l: np.ndarray, m: np.ndarray) -> np.ndarray:
+        x = 1.18896 * np.hypot(l, m) / width
+        return (np.cos(np.pi * x) / (1 - 4 * x**2)) ** 2
+
+    l, m = truth["l"], truth["m"]
+    expected = 1e4 * power(l, m) / power(l, m - moved)
+    assert np.ptp(expected) > 2e3
+    np.testing.assert_allclose(shapes["flux_fit"], expected, rtol=0.01)
 
 
 def test_a_simulation_of_moments_is_not_taken_for_averages(

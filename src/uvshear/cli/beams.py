@@ -9,9 +9,11 @@ import typer
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from uvshear.interferometer.primary_beam import PrimaryBeam
+    from uvshear.io.observations import Reading
     from uvshear.typing import Array, Float
 
 
@@ -31,6 +33,18 @@ PrimaryBeamOption = Annotated[
         help="Of the dishes, by their diameters: uniformly lit, or cos^3 of its width; or MeerKAT's.",
     ),
 ]
+
+
+def pointed_beam(
+    name: BeamName, paths: "Sequence[Path]", reading: "Reading"
+) -> "PrimaryBeam | None":
+    """Return the beam of the dishes of Measurement Sets, where these pointed."""
+    from dataclasses import replace
+
+    from uvshear.io.observations import dish_diameters, pointing_of
+
+    beam = beam_of(name, lambda: dish_diameters(paths), str(paths[0]))
+    return None if beam is None else replace(beam, pointing=pointing_of(paths, reading))
 
 
 def beam_of(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uvshear.cli.beams import BeamName, PrimaryBeamOption, beam_of
+from uvshear.cli.beams import BeamName, PrimaryBeamOption, pointed_beam
 from uvshear.cli.extractions import ExtractionName, FacetName, extraction_of, statistics_of
 from uvshear.cli.options import (
     Output,
@@ -212,7 +212,6 @@ def measure(
     from uvshear.constants import ARCSEC
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.images import write_residual_image
-    from uvshear.io.observations import dish_diameters
     from uvshear.io.outputs import check_file
     from uvshear.io.shapes import write_shapes
     from uvshear.io.statistics import keep_statistics, statistics_path
@@ -239,9 +238,7 @@ def measure(
         uv_range=uv_range,
         weightings=weightings,
         smears=smearing,
-        primary_beam=beam_of(
-            primary_beam, lambda: dish_diameters(measurement_sets), str(measurement_sets[0])
-        ),
+        primary_beam=pointed_beam(primary_beam, measurement_sets, reading),
         position_radius=(
             None if position_radius_arcsec is None else position_radius_arcsec * ARCSEC
         ),

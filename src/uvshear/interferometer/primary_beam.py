@@ -29,15 +29,18 @@ _COSINE_WIDTH = 1.18896
 
 @dataclass(frozen=True)
 class PrimaryBeam(Attenuation):
-    """Beams of dishes that all point to the phase centre; one width an antenna.
+    """Beams of dishes that all point the same way; one width an antenna.
 
     Parameters
     ----------
     width
         Full width at half maximum of each antenna's power beam, times the frequency [rad Hz]; one of dishes all alike.
+    pointing
+        Direction cosines l, m of the axis: elsewhere than at the phase centre where visibilities were rephased.
     """
 
     width: Float[Array, " antenna"]
+    pointing: tuple[float, float] = (0.0, 0.0)
 
     @abstractmethod
     def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
@@ -45,8 +48,9 @@ class PrimaryBeam(Attenuation):
 
     def of(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
         """Product of both antennas' voltage beams."""
-        n1 = float(n_minus_one(np.array([l]), np.array([m]))[0])
-        distance = math.atan2(math.hypot(l, m), 1 + n1)
+        l0, m0 = self.pointing
+        n, n0 = n_minus_one(np.array([l, l0]), np.array([m, m0])).tolist()
+        distance = 2 * math.asin(min(math.dist((l, m, n), (l0, m0, n0)) / 2, 1.0))
         place = distance * samples.frequency
         first, second = samples.antennas.T
         kinds = np.unique(self.width)

@@ -113,7 +113,7 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
                 rows=main.nrows(),
                 field_id=field_id,
                 is_only_field=is_only_field,
-                phase_centre=_phase_centre(path, field_id),
+                phase_centre=read_direction(path, field_id),
                 descriptions=_descriptions(path),
                 weight_column=_weight_column(path, main, column),
                 interval_column=_interval_column(main),
@@ -206,25 +206,26 @@ def check_scans(path: Path, scans: Sequence[int]) -> None:
         raise InputError(f"{path}: no rows of scan {absent[0]}; there are {known}")
 
 
-def _phase_centre(path: Path, field: int) -> PhaseCentre:
+def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCentre:
+    """Read a direction of a field that stands still."""
     with open_table(path, "FIELD") as fields:
-        if "PHASE_DIR" not in fields.colnames() or not fields.iscelldefined("PHASE_DIR", field):
-            raise InputError(f"{path}: FIELD has no PHASE_DIR for field {field}; it needs one")
-        reference = fields.getcolkeywords("PHASE_DIR").get("MEASINFO", {})
-        direction = np.ravel(fields.getcell("PHASE_DIR", field))
+        if column not in fields.colnames() or not fields.iscelldefined(column, field):
+            raise InputError(f"{path}: FIELD has no {column} for field {field}; it needs one")
+        reference = fields.getcolkeywords(column).get("MEASINFO", {})
+        direction = np.ravel(fields.getcell(column, field))
     frame = reference.get("Ref", "J2000")
     if "VarRefCol" in reference or frame not in FRAMES:
         raise InputError(
-            f"{path}: PHASE_DIR of FIELD is in frame {reference.get('VarRefCol', frame)};"
+            f"{path}: {column} of FIELD is in frame {reference.get('VarRefCol', frame)};"
             f" {' or '.join(FRAMES)} for all rows is needed"
         )
     if len(direction) > 2 and np.any(direction[2:] != 0):
         raise InputError(
-            f"{path}: field {field} moves (PHASE_DIR is a polynomial in time); it must stand still"
+            f"{path}: field {field} moves ({column} is a polynomial in time); it must stand still"
         )
     ra, dec = (float(angle) for angle in direction[:2])
     if not (math.isfinite(ra) and abs(dec) <= math.pi / 2):
-        raise InputError(f"{path}: PHASE_DIR of field {field} is ({ra}, {dec}); radians are needed")
+        raise InputError(f"{path}: {column} of field {field} is ({ra}, {dec}); radians are needed")
     return PhaseCentre(ra=ra, dec=dec)
 
 

@@ -9,14 +9,17 @@ import numpy as np
 
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
-from uvshear.geometry.directions import PhaseCentre
+from uvshear.geometry.directions import PhaseCentre, direction_cosines
 from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.io.measurement_set import MeasurementSet
-from uvshear.io.measurement_set_header import casacore_errors, open_table
+from uvshear.io.measurement_set_header import casacore_errors, open_table, read_direction
 from uvshear.typing import Array, Float
 
 SAME_DIRECTION = 1e-3 * ARCSEC
 """Phase centres closer than this are one."""
+
+SAME_POINTING = ARCSEC
+"""Dishes that point closer than this point the same way."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,31 @@ def open_observation(
                 " what is measured together shares it"
             )
     return parts[0] if len(parts) == 1 else JointObservation(first, parts)
+
+
+def pointing_of(paths: Sequence[Path], reading: Reading) -> tuple[float, float]:
+    """Direction cosines of where the dishes pointed, FIELD's REFERENCE_DIR, about the phase centre of the first set.
+
+    A set that was rephased has another PHASE_DIR than it was observed with.
+    """
+    found = []
+    for path in paths:
+        one = reading.open(path)
+        axis = read_direction(path, one.header.field_id, "REFERENCE_DIR")
+        l, m, n = direction_cosines(one.phase_centre, np.array([axis.ra]), np.array([axis.dec]))
+        if n[0] <= 0:
+            raise InputError(
+                f"{path}: the dishes pointed (REFERENCE_DIR) more than 90 degrees from the phase centre;"
+                " --primary-beam none is needed"
+            )
+        found.append((float(l[0]), float(m[0])))
+    for path, other in zip(paths[1:], found[1:], strict=True):
+        if math.dist(other, found[0]) > SAME_POINTING:
+            raise InputError(
+                f"{path}: its dishes pointed elsewhere than those of {paths[0]} (REFERENCE_DIR);"
+                " a primary beam needs one pointing"
+            )
+    return found[0] if math.hypot(*found[0]) > SAME_POINTING else (0.0, 0.0)
 
 
 def dish_diameters(paths: Sequence[Path]) -> Float[Array, " antenna"]:
