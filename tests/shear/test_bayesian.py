@@ -118,3 +118,22 @@ def test_a_galaxy_that_the_population_does_not_have_says_nothing():
     q, h = gradient_and_curvature(faint, POPULATION, 0j)
     assert not q.any()
     assert not h.any()
+
+
+class Rim(Toy):
+    """A likelihood that rises to the rim of the disc, tenfold a node of 0.08, on either side of it."""
+
+    def log(self, e, size):
+        along = np.abs((e * np.exp(-1j * np.pi / 4)).real)
+        across = (e * np.exp(-1j * np.pi / 4)).imag
+        log = 28 * along - 0.5 * (across / 0.25) ** 2 - 0.5 * ((size - self.size) / 0.25) ** 2
+        return np.where(np.abs(e) < 0.955, log, -np.inf)
+
+
+@pytest.mark.parametrize("about", [0j, 0.02 + 0.02j])
+def test_what_the_spline_rings_with_is_no_curvature(about):
+    """Inside the population's disc the likelihood is decades lower than at the rim: no more than a galaxy's own."""
+    galaxy = Rim(0j, 0.4).on_lattice()
+    q, h = gradient_and_curvature(galaxy, POPULATION, about)
+    assert np.abs(q).max() < 30
+    assert np.abs(h).max() < 300

@@ -39,6 +39,11 @@ STEP = 0.1
 """Of the differences in g, over the standard deviation of e; no more than ``WIDEST_STEP``."""
 
 WIDEST_STEP = 0.01
+RINGING = 0.01
+"""Negative part of the evidence, over the evidence, from which it is the spline's own. Of a galaxy whose likelihood is all
+but outside the population's disc, five decades lower inside, what is left is the ringing: one of 63 000 had a curvature of
+thousands. Of 1214 others none was above 0.006."""
+
 _REACH = 5.0
 """Standard deviations of e and of the flux that are integrated over."""
 
@@ -110,6 +115,9 @@ def gradient_and_curvature(
     """Work out q and h of one galaxy at the shear ``about``; both zero where the population has no such galaxy."""
     surface = _Surface(likelihood, population, about)
     unlensed, weight = _nodes(population.ellipticity, surface, about)
+    parts = weight * surface.at(unlensed, about)
+    if -parts[parts < 0].sum() > RINGING * parts.sum():
+        return np.zeros(2), np.zeros((2, 2))
     step = min(STEP * surface.sigma, WIDEST_STEP)
     offsets = step * np.array([0, 1, -1, 1j, -1j, 1 + 1j, -1 - 1j, 1 - 1j, -1 + 1j])
     evidence = [float(weight @ surface.at(unlensed, about + offset)) for offset in offsets]
