@@ -41,8 +41,8 @@ STEP = 0.1
 WIDEST_STEP = 0.01
 RINGING = 0.01
 """Negative part of the evidence, over the evidence, from which it is the spline's own: of a galaxy whose likelihood is
-all but outside the population's disc, five decades lower inside, the ringing is left. One look of 63 000 had a curvature
-of thousands; of 1214 others none was above 0.006."""
+all but outside the population's disc, decades lower inside, the ringing is left. One look of 63 000 had a curvature of
+thousands; of 1214 others none was above 0.006."""
 
 _REACH = 5.0
 """Standard deviations of e and of the flux that are integrated over."""
