@@ -1,9 +1,11 @@
 """The same visibilities however they are stored give the same shapes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from casacore.tables import makecoldesc, maketabdesc, table
 
 from tests.io.measurement_sets import real_set
 from tests.io.varied_sets import CIRCULAR, LINEAR, Window, write_varied
@@ -126,3 +128,24 @@ def test_the_oskar_set_agrees_with_its_antennas_once_turned(tmp_path: Path):
     path = real_set(tmp_path, "tOSKAR.in_MS.tgz")
     assert inspect(path).fields[0].uvw_agrees is False
     assert inspect(path, Reading(conjugates=True)).fields[0].uvw_agrees is True
+
+
+def test_a_model_is_taken_from_the_visibilities(usual, tmp_path):
+    """Sources of no catalogue, in MODEL_DATA: with them in the data as well shapes are what they were."""
+    path = write_varied(tmp_path / "model.ms", COVERAGE, _windows(1), correlations=(9, 12))
+    far = replace(SKY, l=SKY.l + 8e-4, flux=3 * SKY.flux)
+    stokes_i = predict_visibilities(far, COVERAGE.uvw, BAND.frequency)
+    model = np.repeat(stokes_i[..., None], 2, axis=-1)
+    with table(str(path), readonly=False, ack=False) as main:
+        description = main.getcoldesc("DATA")
+        main.addcols(maketabdesc(makecoldesc("MODEL_DATA", description)))
+        main.putcol("MODEL_DATA", model)
+        main.putcol("DATA", main.getcol("DATA") + model)
+    np.testing.assert_allclose(_shapes(path, Reading(subtracted="MODEL_DATA")), usual, atol=1e-4)
+    assert np.abs(_shapes(path) - usual).max() > 1e-3
+
+
+def test_a_model_that_is_not_there_is_named(tmp_path):
+    path = write_varied(tmp_path / "model.ms", COVERAGE, _windows(1), correlations=(9, 12))
+    with pytest.raises(InputError, match="no column MODEL_DATA; those with visibilities: DATA"):
+        Reading(subtracted="MODEL_DATA").open(path)

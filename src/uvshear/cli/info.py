@@ -11,6 +11,7 @@ from uvshear.cli.reading import (
     ConjugateOption,
     FieldOption,
     ScansOption,
+    SubtractOption,
     reading_of,
 )
 from uvshear.cli.terminal import show_facts, warn
@@ -33,6 +34,7 @@ def info(
         list[Path], typer.Argument(metavar="FIELD.ms...", help="Sets to look at.")
     ],
     column: ColumnOption = "DATA",
+    subtract: SubtractOption = None,
     field: FieldOption = None,
     scans: ScansOption = None,
     conjugate: ConjugateOption = False,
@@ -41,7 +43,7 @@ def info(
     from uvshear.io.inspection import inspect
     from uvshear.io.remarks import remarks_on
 
-    reading = reading_of(column, field, scans, conjugates=conjugate)
+    reading = reading_of(column, field, scans, conjugates=conjugate, subtracted=subtract)
     for path in measurement_sets:
         seen = inspect(path, reading)
         show_facts(str(path), _facts_of_set(seen))

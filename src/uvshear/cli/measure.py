@@ -26,6 +26,7 @@ from uvshear.cli.reading import (
     ConjugateOption,
     FieldOption,
     ScansOption,
+    SubtractOption,
     reading_of,
 )
 from uvshear.cli.terminal import progress_bar, say, shorten, warn
@@ -119,6 +120,7 @@ def measure(
         typer.Option(callback=positive, help="Passes over the sources; paper only, there 1."),
     ] = None,
     column: ColumnOption = "DATA",
+    subtract: SubtractOption = None,
     field: FieldOption = None,
     scans: ScansOption = None,
     conjugate: ConjugateOption = False,
@@ -229,7 +231,14 @@ def measure(
         check_residual_image(residual_image, output, catalogue, overwrite=overwrite)
     frequency = None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6
     sources = read_catalogue(catalogue, flux_unit=flux_unit, reference_frequency=frequency)
-    reading = reading_of(column, field, scans, conjugates=conjugate, heeds_flags=not ignore_flags)
+    reading = reading_of(
+        column,
+        field,
+        scans,
+        conjugates=conjugate,
+        heeds_flags=not ignore_flags,
+        subtracted=subtract,
+    )
     observation = observed(measurement_sets, reading, noise)
     options = MeasurementOptions(
         extraction=way,

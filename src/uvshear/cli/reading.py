@@ -11,6 +11,14 @@ if TYPE_CHECKING:
     from uvshear.io.observations import Reading
 
 ColumnOption = Annotated[str, typer.Option("--column", help="Column of visibilities.")]
+SubtractOption = Annotated[
+    str | None,
+    typer.Option(
+        "--subtract",
+        help="Column of a model to take from the visibilities, such as MODEL_DATA.",
+        show_default=False,
+    ),
+]
 FieldOption = Annotated[
     str | None, typer.Option("--field", help="Field (name or number), where a set holds several.")
 ]
@@ -33,6 +41,7 @@ def reading_of(
     *,
     conjugates: bool,
     heeds_flags: bool = True,
+    subtracted: str | None = None,
 ) -> "Reading":
     """Put the options together; a number is a field's id, anything else its name."""
     from uvshear.io.observations import Reading
@@ -44,6 +53,7 @@ def reading_of(
         None if scans is None else scans_of(scans),
         heeds_flags=heeds_flags,
         conjugates=conjugates,
+        subtracted=subtracted,
     )
 
 

@@ -22,11 +22,9 @@ class WeightName(StrEnum):
     BRIGGS = "briggs"
 
 
-PANEL = "Weighting"
-
 WeightOption = Annotated[
     WeightName,
-    typer.Option("--weight", help="Of the cells of the uv plane.", rich_help_panel=PANEL),
+    typer.Option("--weight", help="Of the cells of the uv plane."),
 ]
 RobustOption = Annotated[
     float | None,
@@ -34,7 +32,6 @@ RobustOption = Annotated[
         "--robust",
         callback=finite,
         help="Of --weight briggs: from -2 (uniform) to 2 (natural).",
-        rich_help_panel=PANEL,
     ),
 ]
 WeightFieldOption = Annotated[
@@ -43,7 +40,6 @@ WeightFieldOption = Annotated[
         "--weight-field-arcmin",
         callback=positive,
         help="Cells are one over this wide: an imager's field of view.",
-        rich_help_panel=PANEL,
     ),
 ]
 GaussianTaperOption = Annotated[
@@ -52,7 +48,6 @@ GaussianTaperOption = Annotated[
         "--taper-gaussian-arcsec",
         callback=positive,
         help="FWHM of the beam that a Gaussian taper makes of a point.",
-        rich_help_panel=PANEL,
     ),
 ]
 TukeyTaperOption = Annotated[
@@ -61,7 +56,6 @@ TukeyTaperOption = Annotated[
         "--taper-tukey",
         callback=positive,
         help="Length of the cosine that ends at --uv-max [wavelengths].",
-        rich_help_panel=PANEL,
     ),
 ]
 InnerTukeyTaperOption = Annotated[
@@ -70,7 +64,6 @@ InnerTukeyTaperOption = Annotated[
         "--taper-inner-tukey",
         callback=positive,
         help="Length of the cosine that begins at --uv-min [wavelengths].",
-        rich_help_panel=PANEL,
     ),
 ]
 RoundPsfOption = Annotated[
@@ -78,7 +71,6 @@ RoundPsfOption = Annotated[
     typer.Option(
         "--round-psf",
         help="Weigh directions on every ring of the uv plane until the PSF is round.",
-        rich_help_panel=PANEL,
     ),
 ]
 

@@ -19,6 +19,7 @@ from uvshear.io.measurement_set_header import (
     DataDescription,
     Header,
     casacore_errors,
+    check_column,
     check_scans,
     open_table,
     read_header,
@@ -96,6 +97,8 @@ class MeasurementSet:
         SCAN_NUMBERs to read; all unless given.
     conjugates
         Take UVW with the other sign: of a set whose visibilities do not follow it.
+    subtracted
+        Column of a model that is taken from the visibilities: MODEL_DATA.
     """
 
     path: str | Path
@@ -105,12 +108,16 @@ class MeasurementSet:
     heeds_flags: bool = True
     scans: tuple[int, ...] | None = None
     conjugates: bool = False
+    subtracted: str | None = None
     header: Header = dataclasses.field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         header = read_header(Path(self.path), self.column, self.field)
         if self.scans is not None:
             check_scans(Path(self.path), self.scans)
+        if self.subtracted is not None:
+            with open_table(Path(self.path)) as main:
+                check_column(Path(self.path), main, self.subtracted)
         object.__setattr__(self, "header", header)
 
     @property
@@ -170,7 +177,7 @@ class _Reader:
         self.main, self.column, self.header = main, one.column, one.header
         self.heeds_flags, self.scans = one.heeds_flags, one.scans
         self.sign = -1.0 if one.conjugates else 1.0
-        self.dtype = np.dtype("c16" if main.coldatatype(one.column) == "dcomplex" else "c8")
+        self.subtracted = one.subtracted
         self.has_flag_row = "FLAG_ROW" in main.colnames()
         self.buffers: dict[str, Array] = {}
 
@@ -200,7 +207,9 @@ class _Reader:
             table, start = self.main.selectrows(rows), 0
         count = len(rows)
         shape = (count, len(description.channels), description.correlations)
-        correlations = self._fill(table, self.column, start, shape, self.dtype)
+        correlations = self._visibilities(table, self.column, start, shape)
+        if self.subtracted is not None:
+            correlations -= self._visibilities(table, self.subtracted, start, shape)
         flags = self._fill(table, "FLAG", start, shape, np.dtype(bool))
         if self.has_flag_row:
             flags |= table.getcol("FLAG_ROW", start, count)[:, None, None]
@@ -236,6 +245,12 @@ class _Reader:
         )
         autocorrelations = count - int(np.count_nonzero(is_cross))
         return visibilities, counts + MeasurementSetSummary(autocorrelations=autocorrelations)
+
+    def _visibilities(
+        self, table: tables.table, column: str, start: int, shape: tuple[int, int, int]
+    ) -> Complex[Array, "row chan corr"]:
+        dtype = np.dtype("c16" if table.coldatatype(column) == "dcomplex" else "c8")
+        return self._fill(table, column, start, shape, dtype)
 
     def _integrations(self, table: tables.table, start: int, count: int) -> Integrations:
         antennas = [table.getcol(f"ANTENNA{end}", start, count) for end in (1, 2)]

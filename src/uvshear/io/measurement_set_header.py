@@ -134,9 +134,9 @@ def check_is_measurement_set(path: Path) -> None:
             )
 
 
-def _check_columns(path: Path, main: tables.table, column: str) -> None:
-    present = main.colnames()
-    if column not in present:
+def check_column(path: Path, main: tables.table, column: str) -> None:
+    """Refuse a column that has no visibilities."""
+    if column not in main.colnames():
         like = visibility_columns(main)
         raise InputError(
             f"{path}: no column {column}; those with visibilities: {', '.join(like) or 'none'}"
@@ -145,6 +145,11 @@ def _check_columns(path: Path, main: tables.table, column: str) -> None:
         raise InputError(
             f"{path}: column {column} holds {main.coldatatype(column)}, not complex visibilities"
         )
+
+
+def _check_columns(path: Path, main: tables.table, column: str) -> None:
+    check_column(path, main, column)
+    present = main.colnames()
     missing = [name for name in NEEDED_COLUMNS if name not in present]
     if missing:
         raise InputError(

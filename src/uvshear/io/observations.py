@@ -44,6 +44,7 @@ class Reading:
     scans: tuple[int, ...] | None = None
     heeds_flags: bool = True
     conjugates: bool = False
+    subtracted: str | None = None
 
     def open(self, path: Path) -> MeasurementSet:
         """Open a set."""
@@ -54,6 +55,7 @@ class Reading:
             heeds_flags=self.heeds_flags,
             scans=self.scans,
             conjugates=self.conjugates,
+            subtracted=self.subtracted,
         )
 
 
