@@ -1,6 +1,7 @@
 """The measurement on one page: visibilities and a catalogue in, shapes and shear out.
 
-1. Read the observation once: how long are its baselines, is there anything (``interferometer.extent``).
+1. Read the observation once: how long are its baselines, is there anything (``interferometer.extent``). Its weights
+   are 1/sigma^2 unless others are asked for (``measurement.weighed``).
 2. Begin with a sky of round galaxies of the catalogue's fluxes and of median size.
 3. Tell the sources apart (``measurement.extraction``): take everything modelled away, cut out a source
    (``extraction``), put its own model back, fit it (``fit``), and let the fitted galaxy replace the round one in
@@ -23,6 +24,7 @@ from uvshear.galaxy import (
     Exponential,
     Galaxies,
     Profile,
+    SizeFluxRelation,
 )
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import synthesise
@@ -126,15 +128,16 @@ def extract(
 ) -> tuple[Field, Extracted]:
     """Measure the sources, and keep the sky that was found: what is left is the data less it.
 
-    That is ``extracted.sky.select(field.modelled)`` with ``options.profile``.
+    That is ``extracted.sky.select(field.modelled)`` with ``options.profile``. Weightings that are asked for are applied
+    here; signal-to-noise ratios are those of natural weights all the same.
     """
     extent = measure_extent(observation)
     field = _prepare(catalogue, observation.phase_centre, extent, options)
-    if not options.weightings or len(field.modelled) == 0:
+    if not options.weightings or len(field.measured) == 0:
         return field, options.extraction.measure(observation, field, options, progress)
     weighed = weigh(observation, field, options)
-    field = replace(field, extent=measure_extent(weighed))
-    extracted = options.extraction.measure(weighed, field, options, progress)
+    seen = replace(field, extent=measure_extent(weighed))
+    extracted = options.extraction.measure(weighed, seen, options, progress)
     quoted = with_natural_snr(
         extracted.measurements,
         observation,
@@ -294,8 +297,10 @@ def _prepare(
         sources.spectral_index
     )
     is_point = flags == FitFlag.POINT_SOURCE
+    # A point has no size; what is scaled by one, the prior of its position say, takes a galaxy's of its flux.
+    usual = np.exp(SizeFluxRelation().prior(flux_at_1_4).log_median)
     known_size = (
-        None if sources.scale_length is None else np.where(is_point, 1.0, sources.scale_length)
+        None if sources.scale_length is None else np.where(is_point, usual, sources.scale_length)
     )
     size = options.size.prior(flux_at_1_4, known_size)
     repeated = _repeated(l, m, sources.flux, np.exp(size.log_median), is_modelled)

@@ -141,7 +141,7 @@ def measure(
     primary_beam: PrimaryBeamOption = BeamName.NONE,
     weight: WeightOption = WeightName.NATURAL,
     robust: RobustOption = None,
-    weight_field_arcmin: WeightFieldOption = 10.0,
+    weight_field_arcmin: WeightFieldOption = None,
     taper_gaussian_arcsec: GaussianTaperOption = None,
     taper_tukey: TukeyTaperOption = None,
     taper_inner_tukey: InnerTukeyTaperOption = None,
@@ -209,7 +209,12 @@ def measure(
         taper_inner_tukey,
         round_psf,
     )
-    weightings = choice.besides_the_range(uv_min or 0.0, uv_max, keep)
+    weightings = choice.weightings(uv_min or 0.0, uv_max)
+    if statistics and weightings:
+        raise InputError(
+            f"--keep {keep}: what is kept takes the noise for that of natural weights;"
+            " no other weighting can be had with it"
+        )
 
     from uvshear.constants import ARCSEC
     from uvshear.io.catalogue import read_catalogue

@@ -28,6 +28,13 @@ def positive(value: float | None) -> float | None:
     return value
 
 
+def all_positive(values: list[float] | None) -> list[float] | None:
+    """Check numbers above 0."""
+    for value in values or ():
+        positive(value)
+    return values
+
+
 def non_negative(value: float | None) -> float | None:
     """Check a number of 0 or more."""
     if value is not None and not 0 <= value < math.inf:

@@ -9,12 +9,13 @@ import typer
 from uvshear.cli.options import (
     Overwrite,
     Threads,
+    all_positive,
     non_negative,
     positive,
     thread_count,
     uv_range_of,
 )
-from uvshear.cli.psf_table import loss_rows, measure_figures, shape_rows
+from uvshear.cli.psf_table import loss_rows, measure_figures, shape_rows, told
 from uvshear.cli.reading import (
     ColumnOption,
     ConjugateOption,
@@ -58,14 +59,19 @@ def psf(
     weight_sigma_arcsec: Annotated[
         list[float] | None,
         typer.Option(
+            callback=all_positive,
             help="Of the Gaussian weight of the moments; may be repeated. By default 1 and 3.",
             show_default=False,
         ),
     ] = None,
     scale_length_arcsec: Annotated[
-        float,
-        typer.Option(callback=positive, help="Of the galaxy whose shape information is told."),
-    ] = 1.0,
+        float | None,
+        typer.Option(
+            callback=positive,
+            help="Of the galaxy whose shape information is told; by default 1.",
+            show_default=False,
+        ),
+    ] = None,
     pixel_arcsec: Annotated[
         float, typer.Option(callback=positive, help="Of the image of the PSF.")
     ] = 0.1,
@@ -77,7 +83,7 @@ def psf(
     ] = None,
     weight: WeightOption = WeightName.NATURAL,
     robust: RobustOption = None,
-    weight_field_arcmin: WeightFieldOption = 10.0,
+    weight_field_arcmin: WeightFieldOption = None,
     taper_gaussian_arcsec: GaussianTaperOption = None,
     taper_tukey: TukeyTaperOption = None,
     taper_inner_tukey: InnerTukeyTaperOption = None,
@@ -90,10 +96,8 @@ def psf(
     overwrite: Overwrite = False,
 ) -> None:
     """Ellipticity and size of the PSF, what a weighting makes of it and costs, and the uv coverage."""
-    uv_range_of(uv_min, uv_max)
+    uv_range = uv_range_of(uv_min, uv_max)
     sigmas = weight_sigma_arcsec or [1.0, 3.0]
-    for sigma in sigmas:
-        positive(sigma)
     choice = WeightChoice(
         weight,
         robust,
@@ -104,6 +108,13 @@ def psf(
         round_psf,
     )
     weightings = choice.weightings(uv_min, uv_max)
+    is_weighted = bool(weightings) or not uv_range.is_everything
+    if scale_length_arcsec is not None and not is_weighted:
+        raise InputError(
+            f"--scale-length-arcsec {scale_length_arcsec:g}: natural weights lose nothing;"
+            " a weighting or a uv range is needed"
+        )
+    disc = scale_length_arcsec or 1.0
 
     from uvshear.constants import ARCSEC
     from uvshear.extraction.psf import point_spread_function, sample_coverage
@@ -111,7 +122,7 @@ def psf(
     from uvshear.galaxy import Exponential
     from uvshear.imaging import ImageGrid
     from uvshear.interferometer.baseline_map import BaselineMap
-    from uvshear.interferometer.weighting import weighted
+    from uvshear.interferometer.weighting import TukeyTaper, weighted
     from uvshear.io.observations import open_observation
     from uvshear.io.outputs import check_file
 
@@ -133,22 +144,27 @@ def psf(
     grid = ImageGrid(size, pixel_arcsec * ARCSEC)
     images = {"natural": point_spread_function(natural, grid, threads=thread_count(threads))}
     loss = None
-    if weightings:
-        observation = weighted(natural, weightings)
+    if is_weighted:
+        # What is cut has no part in the density of the others.
+        cut = TukeyTaper(uv_range.minimum, uv_range.maximum)
+        observation = weighted(natural, (cut, *weightings))
         images["weighted"] = point_spread_function(observation, grid, threads=thread_count(threads))
         cells = BaselineMap.of(observation.with_factors())
-        loss = weighting_loss(cells, scale_length_arcsec * ARCSEC, Exponential())
-    figures = [measure_figures(image, grid.pixel, sigmas) for image in images.values()]
+        loss = told("the shape information", weighting_loss, cells, disc * ARCSEC, Exponential())
+    figures = [
+        measure_figures(f"{name} weights", image, grid.pixel, sigmas)
+        for name, image in images.items()
+    ]
     coverage = sample_coverage(natural)
     rows = shape_rows(figures, sigmas)
     if loss is not None:
-        rows += loss_rows(loss, scale_length_arcsec)
+        rows += loss_rows(loss, disc)
     show_table(f"PSF at the phase centre, {coverage.rows} rows", ("quantity", *images), rows)
 
     from uvshear.plot import draw_psf, draw_uv_coverage, save
 
     shown, title = list(images.values())[-1], f"PSF, {shorten(stem)}"
-    title += ", weighted" if weightings else ""
+    title += ", weighted" if is_weighted else ""
     save(
         draw_psf(shown, grid.pixel, figures[-1].ellipticity, title),
         psf_picture,

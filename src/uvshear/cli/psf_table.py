@@ -32,22 +32,22 @@ class PsfFigures:
 
 
 def measure_figures(
-    image: "Float[Array, 'l m']", pixel: float, sigmas: Sequence[float]
+    name: str, image: "Float[Array, 'l m']", pixel: float, sigmas: Sequence[float]
 ) -> PsfFigures:
-    """Measure an image on pixels of ``pixel`` [rad], under weights of so many arcsec."""
+    """Measure the image of what is so named on pixels of ``pixel`` [rad], under weights of so many arcsec."""
     from uvshear.constants import ARCSEC
     from uvshear.interferometer.psf_shape import fit_main_lobe, measure_psf
 
-    moments = [_told(measure_psf, image, pixel, sigma * ARCSEC) for sigma in sigmas]
-    return PsfFigures(tuple(moments), _told(fit_main_lobe, image, pixel))
+    moments = [told(name, measure_psf, image, pixel, sigma * ARCSEC) for sigma in sigmas]
+    return PsfFigures(tuple(moments), told(name, fit_main_lobe, image, pixel))
 
 
-def _told(measure: Callable[P, T], *arguments: P.args, **options: P.kwargs) -> T | None:
-    """Return what is measured; what cannot be is told, and is None."""
+def told(name: str, measure: Callable[P, T], *arguments: P.args, **options: P.kwargs) -> T | None:
+    """Return what is measured of what is so named; what cannot be is told, and is None."""
     try:
         return measure(*arguments, **options)
     except InputError as error:
-        warn(str(error))
+        warn(f"{name}: {error}")
         return None
 
 

@@ -34,12 +34,16 @@ RobustOption = Annotated[
         help="Of --weight briggs: from -2 (uniform) to 2 (natural).",
     ),
 ]
+USUAL_FIELD = 10.0
+"""Cells are one over so many arcmin wide unless asked for."""
+
 WeightFieldOption = Annotated[
-    float,
+    float | None,
     typer.Option(
         "--weight-field-arcmin",
         callback=positive,
-        help="Cells are one over this wide: an imager's field of view.",
+        help="Cells are one over this wide, 10 unless given: the field of view of an imager, for wsclean 1.2 of it.",
+        show_default=False,
     ),
 ]
 GaussianTaperOption = Annotated[
@@ -81,29 +85,14 @@ class WeightChoice:
 
     weight: WeightName
     robust: float | None
-    field_arcmin: float
+    field_arcmin: float | None
     taper_gaussian_arcsec: float | None
     taper_tukey: float | None
     taper_inner_tukey: float | None
     round_psf: bool
 
-    def besides_the_range(
-        self, uv_min: float, uv_max: float | None, keep: str | None
-    ) -> "tuple[Weighting, ...]":
-        """Return weightings for a measurement, which knows the uv range, and may ``keep`` statistics."""
-        chosen = self.weightings(uv_min, uv_max)
-        has_range = uv_min > 0 or uv_max is not None
-        if len(chosen) == has_range:
-            return ()
-        if keep is not None:
-            raise InputError(
-                f"--keep {keep}: what is kept takes the noise for that of natural weights;"
-                " no other weighting can be had with it"
-            )
-        return chosen
-
     def weightings(self, uv_min: float, uv_max: float | None) -> "tuple[Weighting, ...]":
-        """Return weightings in the order of application, the uv range among them; none of natural weights."""
+        """Return weightings in the order of application, but for the uv range; none of natural weights."""
         import math
 
         from uvshear.constants import ARCSEC
@@ -119,6 +108,11 @@ class WeightChoice:
             raise InputError(
                 f"--weight {self.weight.value}: --robust is for --weight briggs, which needs it"
             )
+        if self.field_arcmin is not None and self.weight is WeightName.NATURAL:
+            raise InputError(
+                f"--weight-field-arcmin {self.field_arcmin:g}: natural weights have no cells;"
+                " --weight uniform or briggs is needed"
+            )
         if self.taper_tukey is not None and uv_max is None:
             raise InputError(f"--taper-tukey {self.taper_tukey:g}: --uv-max, its end, is needed")
         if self.taper_inner_tukey is not None and not uv_min:
@@ -126,18 +120,20 @@ class WeightChoice:
                 f"--taper-inner-tukey {self.taper_inner_tukey:g}: --uv-min, its start, is needed"
             )
         longest = math.inf if uv_max is None else uv_max
+        rise, fall = self.taper_inner_tukey or 0.0, self.taper_tukey or 0.0
+        if rise + fall > longest - uv_min:
+            raise InputError(
+                f"--taper-inner-tukey {rise:g} --taper-tukey {fall:g}: longer than the uv range;"
+                " they must fit into it"
+            )
         chosen: list[Weighting] = []
-        if uv_min > 0 or longest < math.inf:
-            # What is cut has no part in the density.
-            chosen.append(TukeyTaper(uv_min, longest))
-        field = math.radians(self.field_arcmin / 60)
+        field = math.radians((self.field_arcmin or USUAL_FIELD) / 60)
         if self.weight is WeightName.UNIFORM:
             chosen.append(Uniform(field))
         if self.robust is not None:
             chosen.append(Briggs(self.robust, field))
         if self.taper_gaussian_arcsec is not None:
             chosen.append(GaussianTaper(self.taper_gaussian_arcsec * ARCSEC))
-        rise, fall = self.taper_inner_tukey or 0.0, self.taper_tukey or 0.0
         if rise or fall:
             chosen.append(TukeyTaper(uv_min, longest, rise, fall))
         if self.round_psf:

@@ -7,6 +7,7 @@ import numpy as np
 from uvshear.errors import InputError
 from uvshear.imaging import ImageGrid, dirty_image
 from uvshear.interferometer.visibilities import Observation
+from uvshear.interferometer.weighting import NO_WEIGHT
 from uvshear.typing import Array, Float
 
 
@@ -24,10 +25,8 @@ def point_spread_function(
         unit = np.ones(weights.shape, np.result_type(weights.dtype, np.complex64))
         image += dirty_image(chunk.uvw, chunk.frequency, unit, weights, grid, threads=threads)
         total += float(weights.sum(dtype=float))
-    if total == 0:
-        raise InputError(
-            "no visibility carries weight; a wider uv range, or another weighting, is needed"
-        )
+    if not total > 0:
+        raise InputError(NO_WEIGHT)
     return image / total
 
 

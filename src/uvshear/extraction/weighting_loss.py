@@ -5,10 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from uvshear.constants import ARCSEC
+from uvshear.errors import InputError
 from uvshear.galaxy import Profile
 from uvshear.geometry.ellipticity import quadratic_form_derivatives, quadratic_form_of
 from uvshear.interferometer.baseline_map import BaselineMap
 from uvshear.typing import Array, Float
+
+WORST = 1e8
+"""Condition from which flux, size and ellipticity are one."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +48,23 @@ def weighting_loss(
         \mathrm{cov} = \left(\sum w D D^T\right)^{-1}
 
     Positions are left out: a model's derivative by its position is imaginary where the others are real.
+
+    Raises
+    ------
+    InputError
+        Where the weighted baselines do not tell flux, size and ellipticity apart.
     """
     derivatives = _derivatives(cells, scale_length, profile, ellipticity)
     natural, once, twice = (
         (derivatives * weight) @ derivatives.T for weight in (cells.weight, cells.once, cells.twice)
     )
+    # In units of what each parameter alone is known to, so that the condition has none.
+    alone = np.sqrt(np.diag(once))
+    if not np.all(alone > 0) or np.linalg.cond(once / np.outer(alone, alone)) > WORST:
+        raise InputError(
+            f"the weighted baselines do not tell the shape of a galaxy of scale length"
+            f" {scale_length / ARCSEC:.3g} arcsec; a wider uv range, or another weighting, is needed"
+        )
     by_beam = np.linalg.inv(once)
     covariance = by_beam @ twice @ by_beam
     best = np.diag(np.linalg.inv(natural))[1:3]

@@ -93,8 +93,7 @@ def measure_psf(
         covariance = adapted
         if change < 1e-7:
             break
-    ellipticity = (q_ll - q_mm + 2j * q_lm) / (q_ll + q_mm + 2 * root)
-    return PsfShape(ellipticity, q_ll + q_mm, weight_sigma)
+    return PsfShape(ellipticity_of(q_ll, q_lm, q_mm), q_ll + q_mm, weight_sigma)
 
 
 @dataclass(frozen=True)
@@ -125,18 +124,26 @@ def fit_main_lobe(image: Float[Array, "l m"], pixel: float) -> MainLobe:
     regions, _ = label(image > 0.5)
     inside = (regions == regions[centre, centre]) & (image > 0.5)
     edge = np.concatenate([inside[0], inside[-1], inside[:, 0], inside[:, -1]])
-    if edge.any() or not inside[centre, centre] or inside.sum() < FEWEST_PIXELS:
+    offset = np.arange(len(image)) - centre
+    l, m = (axis[inside].astype(float) for axis in np.meshgrid(offset, offset, indexing="ij"))
+    squares, values = np.stack([l * l, 2 * l * m, m * m]), image[inside]
+    is_there = inside[centre, centre] and not edge.any() and len(values) >= FEWEST_PIXELS
+    if is_there:
+        start = np.linalg.lstsq(squares.T, -np.log(values), rcond=None)[0]
+        form = least_squares(lambda form: np.exp(-form @ squares) - values, start).x
+        is_there = form[0] > 0 and form[0] * form[2] > (1 + 1e-9) * form[1] ** 2
+    if not is_there:
         raise InputError(
             f"the main lobe of the PSF is not in an image of {len(image)} pixels of {pixel / ARCSEC:g} arcsec;"
             " other pixels or a wider weight are needed"
         )
-    offset = np.arange(len(image)) - centre
-    l, m = (axis[inside].astype(float) for axis in np.meshgrid(offset, offset, indexing="ij"))
-    squares, values = np.stack([l * l, 2 * l * m, m * m]), image[inside]
-    start = np.linalg.lstsq(squares.T, -np.log(values), rcond=None)[0]
-    form = least_squares(lambda form: np.exp(-form @ squares) - values, start).x
     covariance = np.linalg.inv(2 * form[[0, 1, 1, 2]].reshape(2, 2)) * pixel**2
-    q_ll, q_lm, q_mm = covariance[0, 0], covariance[0, 1], covariance[1, 1]
+    q_ll, q_lm, q_mm = covariance[[0, 0, 1], [0, 1, 1]].tolist()
+    area = math.sqrt(q_ll * q_mm - q_lm**2)
+    return MainLobe(ellipticity_of(q_ll, q_lm, q_mm), math.sqrt(8 * math.log(2) * area))
+
+
+def ellipticity_of(q_ll: float, q_lm: float, q_mm: float) -> complex:
+    """Ellipticity of quadrupole moments, as in :func:`measure_psf`."""
     root = math.sqrt(q_ll * q_mm - q_lm**2)
-    e = complex(q_ll - q_mm, 2 * q_lm) / (q_ll + q_mm + 2 * root)
-    return MainLobe(e, math.sqrt(8 * math.log(2) * root))
+    return complex(q_ll - q_mm, 2 * q_lm) / (q_ll + q_mm + 2 * root)

@@ -117,6 +117,8 @@ def _edge(inside: Float[Array, "..."], width: float) -> Float[Array, "..."]:
     return (1 - np.cos(math.pi * np.clip(inside / width, 0, 1))) / 2
 
 
+NO_WEIGHT = "no visibility carries weight; a wider uv range, or another weighting, is needed"
+
 MOST_CELLS = 2**28
 """Of a grid of densities: 2 GB."""
 
@@ -186,6 +188,8 @@ class _Density:
         for seen in observation.chunks():
             used = seen.uv_distance[seen.weights > 0]
             longest = max(longest, float(used.max(initial=0.0)))
+        if longest == 0:
+            raise InputError(NO_WEIGHT)
         half = math.ceil(longest * field) + 1
         cells = (2 * half + 1) * (half + 1)
         if cells > MOST_CELLS:

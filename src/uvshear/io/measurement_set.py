@@ -19,8 +19,8 @@ from uvshear.io.measurement_set_header import (
     DataDescription,
     Header,
     casacore_errors,
-    check_column,
     check_scans,
+    check_subtracted,
     open_table,
     read_header,
 )
@@ -116,8 +116,7 @@ class MeasurementSet:
         if self.scans is not None:
             check_scans(Path(self.path), self.scans)
         if self.subtracted is not None:
-            with open_table(Path(self.path)) as main:
-                check_column(Path(self.path), main, self.subtracted)
+            check_subtracted(Path(self.path), self.column, self.subtracted)
         object.__setattr__(self, "header", header)
 
     @property
@@ -177,7 +176,7 @@ class _Reader:
         self.main, self.column, self.header = main, one.column, one.header
         self.heeds_flags, self.scans = one.heeds_flags, one.scans
         self.sign = -1.0 if one.conjugates else 1.0
-        self.subtracted = one.subtracted
+        self.subtracted, self.path = one.subtracted, Path(one.path)
         self.has_flag_row = "FLAG_ROW" in main.colnames()
         self.buffers: dict[str, Array] = {}
 
@@ -209,7 +208,8 @@ class _Reader:
         shape = (count, len(description.channels), description.correlations)
         correlations = self._visibilities(table, self.column, start, shape)
         if self.subtracted is not None:
-            correlations -= self._visibilities(table, self.subtracted, start, shape)
+            with casacore_errors(self.path, f"column {self.subtracted}"):
+                correlations -= self._visibilities(table, self.subtracted, start, shape)
         flags = self._fill(table, "FLAG", start, shape, np.dtype(bool))
         if self.has_flag_row:
             flags |= table.getcol("FLAG_ROW", start, count)[:, None, None]

@@ -147,6 +147,23 @@ def check_column(path: Path, main: tables.table, column: str) -> None:
         )
 
 
+def check_subtracted(path: Path, column: str, subtracted: str) -> None:
+    """Refuse a model that cannot be taken from a column."""
+    if subtracted == column:
+        raise InputError(
+            f"{path}: column {column} would be taken from itself; --subtract names a column of a model"
+        )
+    with open_table(path) as main:
+        check_column(path, main, subtracted)
+        with casacore_errors(path, f"column {subtracted}"):
+            shapes = [main.getcell(name, 0).shape for name in (column, subtracted)]
+    if shapes[0] != shapes[1]:
+        raise InputError(
+            f"{path}: column {subtracted} has {shapes[1]} channels and correlations in its first row,"
+            f" {column} {shapes[0]}; they must be the same"
+        )
+
+
 def _check_columns(path: Path, main: tables.table, column: str) -> None:
     check_column(path, main, column)
     present = main.colnames()

@@ -76,9 +76,7 @@ def open_observation(
     parts = tuple(one if prepared is None else prepared(one) for one in sets)
     first = parts[0].phase_centre
     for path, part in zip(paths[1:], parts[1:], strict=True):
-        other = part.phase_centre
-        turn = math.remainder(other.ra - first.ra, 2 * math.pi) * math.cos(first.dec)
-        distance = math.hypot(turn, other.dec - first.dec)
+        distance = _between(first, part.phase_centre)
         if distance > SAME_DIRECTION:
             raise InputError(
                 f"{path}: its phase centre is {distance / ARCSEC:.3g} arcsec from {paths[0]}'s;"
@@ -88,28 +86,53 @@ def open_observation(
 
 
 def pointing_of(paths: Sequence[Path], reading: Reading) -> tuple[float, float]:
-    """Direction cosines of where the dishes pointed, FIELD's REFERENCE_DIR, about the phase centre of the first set.
+    """Direction cosines of where the dishes pointed, about the phase centre of the first set.
 
-    A set that was rephased has another PHASE_DIR than it was observed with.
+    That is REFERENCE_DIR of FIELD, DELAY_DIR in a set without: one that was rephased has another PHASE_DIR. A set with
+    neither is taken to be as it was observed.
     """
     found = []
     for path in paths:
         one = reading.open(path)
-        axis = read_direction(path, one.header.field_id, "REFERENCE_DIR")
+        axis = _axis(path, one)
         l, m, n = direction_cosines(one.phase_centre, np.array([axis.ra]), np.array([axis.dec]))
         if n[0] <= 0:
             raise InputError(
-                f"{path}: the dishes pointed (REFERENCE_DIR) more than 90 degrees from the phase centre;"
+                f"{path}: the dishes pointed more than 90 degrees from the phase centre (FIELD);"
                 " --primary-beam none is needed"
             )
         found.append((float(l[0]), float(m[0])))
     for path, other in zip(paths[1:], found[1:], strict=True):
         if math.dist(other, found[0]) > SAME_POINTING:
             raise InputError(
-                f"{path}: its dishes pointed elsewhere than those of {paths[0]} (REFERENCE_DIR);"
+                f"{path}: its dishes pointed elsewhere than those of {paths[0]} (FIELD);"
                 " a primary beam needs one pointing"
             )
     return found[0] if math.hypot(*found[0]) > SAME_POINTING else (0.0, 0.0)
+
+
+def _axis(path: Path, one: MeasurementSet) -> PhaseCentre:
+    field = one.header.field_id
+    with open_table(path, "FIELD") as fields:
+        there = [
+            name
+            for name in ("REFERENCE_DIR", "DELAY_DIR")
+            if name in fields.colnames() and fields.iscelldefined(name, field)
+        ]
+    axes = [read_direction(path, field, name) for name in there] or [one.phase_centre]
+    apart = max(_between(axes[0], axis) for axis in axes)
+    if apart > SAME_POINTING:
+        raise InputError(
+            f"{path}: REFERENCE_DIR and DELAY_DIR of FIELD are {apart / ARCSEC:.3g} arcsec apart, so that nobody knows"
+            " where the dishes pointed; --primary-beam none, or a set where they agree, is needed"
+        )
+    return axes[0]
+
+
+def _between(one: PhaseCentre, other: PhaseCentre) -> float:
+    """Small angle between two directions [rad]."""
+    turn = math.remainder(other.ra - one.ra, 2 * math.pi) * math.cos(one.dec)
+    return math.hypot(turn, other.dec - one.dec)
 
 
 def dish_diameters(paths: Sequence[Path]) -> Float[Array, " antenna"]:

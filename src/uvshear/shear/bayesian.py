@@ -39,7 +39,7 @@ STEP = 0.1
 """Of the differences in g, over the standard deviation of e; no more than ``WIDEST_STEP``."""
 
 WIDEST_STEP = 0.01
-RINGING = 0.01
+RINGING = 0.05
 """Negative part of the evidence, over the evidence, from which it is the spline's own: of a galaxy whose likelihood is
 all but outside the population's disc, decades lower inside, the ringing is left. One look of 63 000 had a curvature of
 thousands; of 1214 others none was above 0.006."""
