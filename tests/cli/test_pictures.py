@@ -65,6 +65,16 @@ def test_what_a_weighting_makes_of_the_psf_is_told(
     assert abs(weighted) < min(0.005, abs(natural) / 3)
 
 
+def test_what_baselines_cannot_tell_is_said(
+    uvshear: Callable, tmp_path: Path, field: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    outcome = uvshear("psf", field, "--uv-min", "10", "--scale-length-arcsec", "9000")
+    assert outcome.status == 0, outcome.err
+    assert "the shape information: the weighted baselines do not tell the shape" in outcome.err
+    assert "1/variance" not in outcome.out
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -72,7 +82,12 @@ def test_what_a_weighting_makes_of_the_psf_is_told(
         ("psf field.ms --robust 1", "--robust is for --weight briggs, which needs it"),
         ("psf field.ms --taper-tukey 100", "--uv-max, its end, is needed"),
         ("psf field.ms --taper-inner-tukey 100", "--uv-min, its start, is needed"),
-        ("psf field.ms --weight-sigma-arcsec 0", "0 is not above 0"),
+        ("psf field.ms --weight-sigma-arcsec 0", "--weight-sigma-arcsec': 0 is not above 0"),
+        ("psf field.ms --weight-field-arcmin 3", "--weight uniform or briggs is needed"),
+        ("psf field.ms --scale-length-arcsec 3", "a weighting or a uv range is needed"),
+        ("psf field.ms --uv-max 500 --taper-tukey 600", "they must fit into it"),
+        ("psf field.ms --uv-min 1e9 --weight briggs --robust 0", "or another weighting, is needed"),
+        ("psf field.ms --uv-min 1e9 --weight uniform", "or another weighting, is needed"),
         ("psf field.ms --uv-min 1e9", "a wider uv range, or another weighting, is needed"),
         ("psf field.ms --uv-min 10 --uv-max 5", "uv-min < uv-max is needed"),
         ("psf field.ms --pixel-arcsec -1", "-1 is not above 0"),

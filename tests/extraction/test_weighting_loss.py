@@ -1,9 +1,11 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from uvshear.constants import ARCSEC, SPEED_OF_LIGHT
+from uvshear.errors import InputError
 from uvshear.extraction.psf import point_spread_function
 from uvshear.extraction.weighting_loss import weighting_loss
 from uvshear.galaxy import Exponential
@@ -66,6 +68,32 @@ def test_the_loss_is_that_of_least_squares_with_the_wrong_weights() -> None:
     assert max(loss.information) < 0.9
     read_off = np.diag(by_beam)[1:3]
     assert loss.variance_over_beam == pytest.approx(ours.sum() / read_off.sum(), rel=0.04)
+
+
+def test_signal_to_noise_is_that_of_matched_filters() -> None:
+    observation = _observation()
+    tapered = weighted(observation, (GaussianTaper(6 * ARCSEC),))
+    loss = weighting_loss(BaselineMap.of(tapered.with_factors()), ALPHA, Exponential())
+    (natural,), (seen,) = observation.chunks(), tapered.chunks()
+    w, q = natural.weights[:, 0], seen.weights[:, 0]
+    u, v = natural.uvw[:, :2].T * FREQUENCY / SPEED_OF_LIGHT
+    noise = np.random.default_rng(4).normal(size=(4000, len(w))) / np.sqrt(w)
+    for model, found in (
+        (np.ones(len(w)), loss.snr_point),
+        (_model(u, v, 1.0, 0j, ALPHA), loss.snr_galaxy),
+    ):
+        scatter = [np.std(noise @ (f * model)) / np.sum(f * model**2) for f in (w, q)]
+        assert found == pytest.approx(scatter[0] / scatter[1], rel=0.04)
+    assert loss.snr_point < 0.8
+
+
+def test_baselines_of_one_length_tell_no_shape() -> None:
+    (seen,) = _observation().chunks()
+    length = np.hypot(seen.uvw[:, 0], seen.uvw[:, 1])
+    same = seen.uvw * (5e3 / length)[:, None]
+    ring = VisibilitySet(PhaseCentre(0.0, 0.0), (replace(seen, uvw=same),))
+    with pytest.raises(InputError, match="do not tell the shape of a galaxy of scale length 1"):
+        weighting_loss(BaselineMap.of(weighted(ring, ()).with_factors()), ALPHA, Exponential())
 
 
 def test_natural_weights_lose_nothing() -> None:

@@ -63,7 +63,22 @@ def test_side_lobes_have_no_part_in_the_main_lobe() -> None:
     assert abs(fit_main_lobe(image, PIXEL).ellipticity - 0.2) < 1e-6
 
 
-@pytest.mark.parametrize("image", [np.ones((64, 64)), _gaussian(0j, 0.1 * ARCSEC)])
+def _block(rows: slice, columns: slice) -> Array:
+    image = np.zeros((64, 64))
+    image[rows, columns] = 1.0
+    return image
+
+
+@pytest.mark.parametrize(
+    "image",
+    [
+        np.ones((64, 64)),
+        _gaussian(0j, 0.1 * ARCSEC),
+        _block(slice(27, 38), slice(32, 33)),
+        _block(slice(31, 34), slice(31, 34)),
+    ],
+    ids=["everywhere", "one pixel", "a line", "a block"],
+)
 def test_a_lobe_that_is_not_in_the_image_is_refused(image: Array) -> None:
     with pytest.raises(InputError, match="other pixels or a wider weight are needed"):
         fit_main_lobe(image, PIXEL)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from casacore.tables import makecoldesc, maketabdesc, table
+from casacore.tables import makearrcoldesc, makecoldesc, maketabdesc, table
 
 from tests.io.measurement_sets import real_set
 from tests.io.varied_sets import CIRCULAR, LINEAR, Window, write_varied
@@ -148,4 +148,16 @@ def test_a_model_is_taken_from_the_visibilities(usual, tmp_path):
 def test_a_model_that_is_not_there_is_named(tmp_path):
     path = write_varied(tmp_path / "model.ms", COVERAGE, _windows(1), correlations=(9, 12))
     with pytest.raises(InputError, match="no column MODEL_DATA; those with visibilities: DATA"):
+        Reading(subtracted="MODEL_DATA").open(path)
+
+
+def test_a_model_that_does_not_fit_is_refused(tmp_path):
+    path = write_varied(tmp_path / "model.ms", COVERAGE, _windows(1), correlations=(9, 12))
+    with pytest.raises(InputError, match="column DATA would be taken from itself"):
+        Reading(subtracted="DATA").open(path)
+    with table(str(path), readonly=False, ack=False) as main:
+        column = makearrcoldesc("MODEL_DATA", 0j, ndim=2, valuetype="complex")
+        main.addcols(maketabdesc(column))
+        main.putcell("MODEL_DATA", 0, np.zeros((3, 2), complex))
+    with pytest.raises(InputError, match=r"MODEL_DATA has \(3, 2\) .* they must be the same"):
         Reading(subtracted="MODEL_DATA").open(path)
