@@ -60,20 +60,44 @@ def test_what_was_averaged_and_seen_by_dishes_is_measured_as_it_is(
     assert wrong["flux_fit"].max() < 9e3
 
 
+def _point_north(path: Path, by: float, *columns: str) -> None:
+    """Let the dishes of a set have pointed so far North of its phase centre, a direction cosine."""
+    with table(str(path / "FIELD"), readonly=False, ack=False) as fields:
+        for column in columns or ("REFERENCE_DIR", "DELAY_DIR"):
+            direction = fields.getcell(column, 0)
+            direction[0, 1] += np.arcsin(by)
+            fields.putcell(column, 0, direction)
+
+
+def test_pointings_that_disagree_are_refused(
+    uvshear: Callable, tmp_path: Path, catalogue: Path
+) -> None:
+    for name in ("one.ms", "other.ms"):
+        simulated = uvshear("simulate", "--catalogue", catalogue, *SIMULATE, "-o", tmp_path / name)
+        assert simulated.status == 0, simulated.err
+    words = ("--catalogue", catalogue, "-o", tmp_path / "s.ecsv", "--primary-beam", "meerkat")
+    _point_north(tmp_path / "other.ms", 0.002)
+    outcome = uvshear("measure", tmp_path / "one.ms", tmp_path / "other.ms", *words)
+    assert outcome.status == 2
+    assert "its dishes pointed elsewhere than those of" in outcome.err
+    _point_north(tmp_path / "one.ms", 0.002, "DELAY_DIR")
+    outcome = uvshear("measure", tmp_path / "one.ms", *words)
+    assert outcome.status == 2
+    assert "REFERENCE_DIR and DELAY_DIR of FIELD are 413 arcsec apart" in outcome.err
+    assert not (tmp_path / "s.ecsv").exists()
+
+
 def test_dishes_look_where_they_pointed_whatever_the_phase_centre(
     uvshear: Callable, tmp_path: Path, catalogue: Path
 ) -> None:
-    """A set whose REFERENCE_DIR is moved: fluxes become those of a beam that is elsewhere."""
+    """A set observed with dishes that point elsewhere: fluxes become those of a beam that is elsewhere."""
     simulated = uvshear(
         *("simulate", "--catalogue", catalogue, *SIMULATE, "--primary-beam", "meerkat"),
         *("-o", tmp_path / "field.ms"),
     )
     assert simulated.status == 0, simulated.err
     moved = 0.004
-    with table(str(tmp_path / "field.ms" / "FIELD"), readonly=False, ack=False) as fields:
-        direction = fields.getcell("REFERENCE_DIR", 0)
-        direction[0, 1] += np.arcsin(moved)  # North
-        fields.putcell("REFERENCE_DIR", 0, direction)
+    _point_north(tmp_path / "field.ms", moved)
     shapes = _measured(uvshear, tmp_path, catalogue, "--primary-beam", "meerkat")
     truth = Table.read(catalogue)
     width = np.radians(57.5 / 60) * 1.5e9 / 1.0005e9
