@@ -58,6 +58,9 @@ UV_MIN = 6000
 SAME = 1.0
 """Entries of the catalogue within this distance of a galaxy are that galaxy [arcsec]."""
 
+BESIDE = 10.0
+"""Galaxies within this distance of one another may have been taken for one [arcsec]."""
+
 SNR_MIN = 20.0
 
 AGREE = 0.3
@@ -141,37 +144,48 @@ def compare(directory: Path) -> dict[str, object]:
     with_true, with_found = (
         read_shapes(directory / f"shapes-{name}.fits") for name in ("true", "found")
     )
-    entry, galaxy = match(galaxies, with_found)
+    entry, galaxy, far = match(galaxies, with_found)
     frequency = read_catalogue(directory / "found.fits").reference_frequency
     ratio = inside(with_found, "flux")[entry] / flux_at(galaxies, frequency)[galaxy]
-    result = completeness(galaxies, len(with_found), galaxy, ratio)
+    result = {"entries": len(with_found), "of_no_galaxy": far}
+    result |= completeness(galaxies, galaxy, ratio)
     both = with_true[galaxy], with_found[entry]
-    agrees = np.abs(inside(both[1], "flux_fit") / inside(both[1], "flux") - 1) < AGREE
-    everyone = np.ones(len(galaxy), bool)
-    return result | {
-        "slopes": slopes(galaxies.ellipticity[galaxy], *both, everyone),
-        "slopes_where_fluxes_agree": slopes(galaxies.ellipticity[galaxy], *both, agrees),
+    chosen = {
+        "slopes": np.ones(len(galaxy), bool),
+        "slopes_where_fluxes_agree": np.abs(
+            inside(both[1], "flux_fit") / inside(both[1], "flux") - 1
+        )
+        < AGREE,
+        "slopes_next_to_missed_ones": beside_missed(galaxies, galaxy),
     }
+    e = galaxies.ellipticity[galaxy]
+    return result | {name: slopes(e, *both, which) for name, which in chosen.items()}
+
+
+def beside_missed(galaxies: Galaxies, found: np.ndarray) -> np.ndarray:
+    """Which of the galaxies found have one within ``BESIDE`` that was not."""
+    place = np.column_stack([galaxies.l, galaxies.m])
+    missed = np.setdiff1d(np.arange(len(galaxies)), found)
+    apart, _ = cKDTree(place[missed]).query(place[found])
+    return apart < BESIDE * ARCSEC
 
 
 def flux_at(galaxies: Galaxies, frequency: float) -> np.ndarray:
     return galaxies.flux * (frequency / galaxies.reference_frequency) ** galaxies.spectral_index
 
 
-def match(galaxies: Galaxies, found: Table) -> tuple[np.ndarray, np.ndarray]:
-    """Entries of the catalogue and the galaxies they are; of several entries of one, the nearest."""
+def match(galaxies: Galaxies, found: Table) -> tuple[np.ndarray, np.ndarray, int]:
+    """Entries of the catalogue, the galaxies they are (each once, its nearest entry), and how many are no galaxy's."""
     place = np.column_stack([inside(found, "l"), inside(found, "m")])
     apart, galaxy = cKDTree(np.column_stack([galaxies.l, galaxies.m])).query(place)
     near = np.argsort(apart, kind="stable")
     near = near[apart[near] < SAME * ARCSEC]
     _, first = np.unique(galaxy[near], return_index=True)
     entry = near[first]
-    return entry, galaxy[entry]
+    return entry, galaxy[entry], len(found) - len(near)
 
 
-def completeness(
-    galaxies: Galaxies, entries: int, galaxy: np.ndarray, ratio: np.ndarray
-) -> dict[str, object]:
+def completeness(galaxies: Galaxies, galaxy: np.ndarray, ratio: np.ndarray) -> dict[str, object]:
     bins = {}
     for low, high in pairwise(BINS):
         there, seen = (
@@ -183,7 +197,7 @@ def completeness(
             "complete": round(float(seen.sum() / there.sum()), 3),
             "flux_over_true": round(float(np.median(ratio[seen])), 3),
         }
-    return {"entries": entries, "of_no_galaxy": entries - len(galaxy), "by_flux": bins}
+    return {"by_flux": bins}
 
 
 def slopes(
