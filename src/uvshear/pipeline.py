@@ -135,8 +135,8 @@ def extract(
     field = _prepare(catalogue, observation.phase_centre, extent, options)
     if not options.weightings or len(field.measured) == 0:
         return field, options.extraction.measure(observation, field, options, progress)
-    weighed = weigh(observation, field, options)
-    seen = replace(field, extent=measure_extent(weighed))
+    weighed, trust = weigh(observation, field, options)
+    seen = replace(field, extent=measure_extent(weighed), trust=trust)
     extracted = options.extraction.measure(weighed, seen, options, progress)
     quoted = with_natural_snr(
         extracted.measurements,
@@ -340,4 +340,5 @@ def _prepare(
         extent,
         flux_err=unknown if sources.flux_err is None else sources.flux_err,
         position_err=unknown if sources.position_err is None else sources.position_err,
+        trust=np.ones(len(sources)),
     )

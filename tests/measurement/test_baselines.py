@@ -35,7 +35,9 @@ def _field(flux, uv_range):
     sky = galaxies(nowhere, nowhere, flux, np.exp(size.log_median), nowhere + 0j)
     flags = np.full(count, FitFlag.OK, dtype=object)
     every = np.arange(count)
-    return Field(nowhere, nowhere, sky, size, every, flags, uv_range, extent, nowhere, nowhere)
+    return Field(
+        nowhere, nowhere, sky, size, every, flags, uv_range, extent, nowhere, nowhere, nowhere + 1
+    )
 
 
 def _chosen(flux=(10.0, 50.0, 200.0), longest=5e5, shortest=None, uv_min=0.0, stars=False):

@@ -9,6 +9,7 @@ import pytest
 import uvshear
 from uvshear.constants import ARCSEC, MICROJANSKY, SPEED_OF_LIGHT
 from uvshear.errors import InputError
+from uvshear.extraction.weighting_loss import weighting_loss
 from uvshear.fit.measurement import FitFlag
 from uvshear.galaxy import (
     CatalogueSize,
@@ -18,11 +19,12 @@ from uvshear.galaxy import (
     SizeFluxRelation,
 )
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.baseline_map import BaselineMap
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.extent import measure_extent
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
-from uvshear.interferometer.weighting import Briggs, GaussianTaper, RoundPsf
+from uvshear.interferometer.weighting import Briggs, GaussianTaper, RoundPsf, weighted
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.measurement import MeasurementOptions
 from uvshear.measurement.keep import MomentStatistic
@@ -111,8 +113,38 @@ def test_points_have_no_part_in_the_typical_size(field):
         catalogue = catalogue_from_galaxies(sky, CENTRE)
         prepared = _prepare(catalogue, CENTRE, measure_extent(observation), options)
         assert not np.any(prepared.flags == FitFlag.DUPLICATE)
-        scales.append(weigh(observation, prepared, options).scale)
+        scales.append(weigh(observation, prepared, options)[0].scale)
     assert scales[1] == pytest.approx(scales[0], rel=1e-12)
+
+
+def test_each_galaxy_is_trusted_by_its_size(field):
+    """The scale and the trust together are what the loss of a galaxy of that size asks for."""
+    galaxies, observation = field
+    taper = (GaussianTaper(4 * ARCSEC),)
+    options = replace(OPTIONS, size=CatalogueSize(), weightings=taper)
+    catalogue = catalogue_from_galaxies(galaxies, CENTRE)
+    prepared = _prepare(catalogue, CENTRE, measure_extent(observation), options)
+    seen, trust = weigh(observation, prepared, options)
+    cells = BaselineMap.of(weighted(observation, taper).with_factors())
+    losses = [weighting_loss(cells, float(size), OPTIONS.profile) for size in galaxies.scale_length]
+    wanted = np.array([1 / loss.variance_over_beam for loss in losses])
+    assert np.ptp(wanted) > 0.3 * wanted.mean()
+    np.testing.assert_allclose(seen.scale * trust, wanted, rtol=0.02)
+
+
+def test_trust_widens_the_errors_of_e(field):
+    galaxies, observation = field
+    few = galaxies.select(np.arange(12))
+    sources = catalogue_from_galaxies(few, CENTRE)
+    prepared = _prepare(sources, CENTRE, measure_extent(observation), OPTIONS)
+    whole, less = (
+        OPTIONS.extraction.measure(
+            observation, replace(prepared, trust=np.full(12, trust)), OPTIONS, None
+        ).measurements
+        for trust in (1.0, 0.5)
+    )
+    ratio = [less[k].covariance[0, 0] / whole[k].covariance[0, 0] for k in whole]
+    assert np.median(ratio) == pytest.approx(2, abs=0.2)
 
 
 def test_statistics_are_kept_of_natural_weights_alone():

@@ -314,7 +314,9 @@ class _Run:
             share = 1.0 if neighbours is None else neighbours.share
             start = fit if fit.snr > 0 else None
             facet = settlement.facet(k)
-            shape = measure_shape(facet, source.prior.measured, profile, start, share=share)
+            trust = float(self._field.trust[self._members[k]])
+            known = share * trust
+            shape = measure_shape(facet, source.prior.measured, profile, start, share=known)
             if shape.flag is FitFlag.OK:
                 size = math.exp(source.prior.log_scale_length)
                 left = residual_significance(settlement.residual(k), profile, size)
@@ -322,7 +324,8 @@ class _Run:
                     shape = replace(shape, flag=FitFlag.CONTAMINATED)
             if neighbours is None:
                 return shape
-            return inflated(shape, neighbours.held, neighbours.free, neighbours.shift, share)
+            held, free = neighbours.held / trust, neighbours.free / trust
+            return inflated(shape, held, free, neighbours.shift, share)
 
         measurements = {}
         shapes = in_order(sample, galaxies, self._options.threads)

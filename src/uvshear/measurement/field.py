@@ -37,6 +37,8 @@ class Field:
         What the observation holds.
     flux_err, position_err
         Errors of the catalogue's fluxes [Jy] and positions along each axis [rad], 0 where they are not known.
+    trust
+        What a source's shape is known to, over what the weights say: 1 of natural weights, whose errors the beam tells.
     """
 
     l: Float[Array, " source"]
@@ -49,6 +51,7 @@ class Field:
     extent: Extent
     flux_err: Float[Array, " source"]
     position_err: Float[Array, " source"]
+    trust: Float[Array, " source"]
 
     @property
     def measured(self) -> Int[Array, " member"]:

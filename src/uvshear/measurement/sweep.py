@@ -12,7 +12,7 @@ from uvshear.extraction.visit import gather_facets
 from uvshear.fit.measurement import GalaxyFit, ShapeMeasurement
 from uvshear.fit.prior import ShapePrior
 from uvshear.fit.shape import fit_galaxy, measure_shape
-from uvshear.galaxy import Galaxies, Profile
+from uvshear.galaxy import Galaxies
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.extraction import Progress
@@ -82,13 +82,13 @@ class Sweep:
 
     def improve_sky(self, batches: Sequence[Batch]) -> None:
         """Fit every source once for the sky model."""
-        for batch, fits in self._visit(batches, fit_galaxy):
+        for batch, fits in self._visit(batches, self._fit):
             self._update(batch, fits)
 
     def measure_shapes(self, batches: Sequence[Batch]) -> dict[int, ShapeMeasurement]:
         """Fit every source once, and sample the posterior of its ellipticity."""
         measurements: dict[int, ShapeMeasurement] = {}
-        for batch, results in self._visit(batches, measure_shape):
+        for batch, results in self._visit(batches, self._measure):
             measurements.update(zip(batch.tolist(), results, strict=True))
             self._update(batch, [result.best for result in results])
         return measurements
@@ -96,25 +96,30 @@ class Sweep:
     def _visit(
         self,
         batches: Sequence[Batch],
-        fit: Callable[[Facet, ShapePrior, Profile, GalaxyFit | None], Result],
+        fit: Callable[[int, Facet], Result],
     ) -> Iterator[tuple[Batch, list[Result]]]:
         """Go through the batches, fitting the sources of one side by side against the sky as it is then."""
         for batch in batches:
             facets = self._facets(batch)
             with ThreadPoolExecutor(self._options.threads) as pool:
                 tasks = [
-                    pool.submit(
-                        fit,
-                        facet,
-                        self._field.prior(
-                            source, self._options.position_radius, self._options.ellipticity
-                        ),
-                        self._options.profile,
-                        self._fits.get(source),
-                    )
+                    pool.submit(fit, source, facet)
                     for source, facet in zip(batch.tolist(), facets, strict=True)
                 ]
                 yield batch, [task.result() for task in tasks]
+
+    def _fit(self, source: int, facet: Facet) -> GalaxyFit | None:
+        prior, start = self._prior(source), self._fits.get(source)
+        return fit_galaxy(facet, prior, self._options.profile, start)
+
+    def _measure(self, source: int, facet: Facet) -> ShapeMeasurement:
+        prior, start = self._prior(source), self._fits.get(source)
+        trust = float(self._field.trust[source])
+        return measure_shape(facet, prior, self._options.profile, start, share=trust)
+
+    def _prior(self, source: int) -> ShapePrior:
+        options = self._options
+        return self._field.prior(source, options.position_radius, options.ellipticity)
 
     def _facets(self, batch: Batch) -> list[Facet]:
         field, options = self._field, self._options
