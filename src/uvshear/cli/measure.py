@@ -185,7 +185,7 @@ def measure(
         Path | None,
         typer.Option(
             metavar="FILE.fits",
-            help="Dirty image, and what is left without the sources found; with a picture, FILE.png.",
+            help="Dirty image (natural weights), and what is left without the sources found; with a picture, FILE.png.",
             show_default=False,
         ),
     ] = None,
