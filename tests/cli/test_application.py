@@ -114,6 +114,8 @@ def test_a_real_interrupt_answers_at_once_with_status_130(tmp_path: Path) -> Non
     program = (
         "import os, signal, sys, threading\n"
         "from uvshear.cli import main\n"
+        # a shell in the background ignores interrupts, and so would its children
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "threading.Timer(2, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
         "main(sys.argv[1:])\n"
     )
