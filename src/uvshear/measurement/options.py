@@ -53,7 +53,7 @@ class MeasurementOptions:
         Baselines that take part in the shape.
     weightings
         Applied to the natural weights one after the other (``interferometer.weighting``), which costs information.
-        Errors are then right for galaxies of the field's median size. None of them unless given.
+        Errors of e stay right for every size, those of fluxes do not (``measurement.weighed``). None unless given.
     position_radius
         Radius of the uniform prior on the position [rad]; None stands for one width of the correlation's peak.
     field_radius
