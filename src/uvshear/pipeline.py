@@ -133,24 +133,25 @@ def extract(
     """
     extent = measure_extent(observation)
     field = _prepare(catalogue, observation.phase_centre, extent, options)
-    if not options.weightings or len(field.measured) == 0:
-        return field, options.extraction.measure(observation, field, options, progress)
-    weighed, trust = weigh(observation, field, options)
-    seen = replace(field, extent=measure_extent(weighed), trust=trust)
-    extracted = options.extraction.measure(weighed, seen, options, progress)
+    seen, among = observation, field
+    if options.weightings and len(field.measured):
+        seen, trust = weigh(observation, field, options)
+        among = replace(field, extent=measure_extent(seen), trust=trust)
+    extracted = options.extraction.measure(seen, among, options, progress)
+    is_part = extracted.uv_range.minimum > 0 or options.uv_range.maximum < np.inf
+    if not (is_part or options.weightings):
+        return field, extracted
+    attenuation = options.attenuation(observation.phase_centre.dec)
+    if not options.extraction.models_losses:
+        attenuation = None
+    response = Response.of(field.sky.select(field.modelled), extent.probes, attenuation)
     quoted = with_natural_snr(
         extracted.measurements,
         observation,
         extracted.sky,
         options.profile,
         options.threads,
-        Response.of(
-            field.sky.select(field.modelled),
-            extent.probes,
-            options.attenuation(observation.phase_centre.dec)
-            if options.extraction.models_losses
-            else None,
-        ),
+        response,
     )
     return field, replace(extracted, measurements=quoted)
 

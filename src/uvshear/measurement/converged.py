@@ -45,7 +45,6 @@ from uvshear.measurement.extraction import Extracted, Extraction, Progress
 from uvshear.measurement.field import Field
 from uvshear.measurement.keep import Kept
 from uvshear.measurement.meter import Meter
-from uvshear.measurement.natural_snr import with_natural_snr
 from uvshear.measurement.settlement import Settlement
 from uvshear.measurement.sky import with_fitted
 from uvshear.measurement.source import GalaxySource, ModelledSource, PointSource
@@ -221,11 +220,6 @@ class _Run:
         if released:
             record["released"] = [round(rms, 4) for rms in released]
         used = self._baselines
-        if used.shortest > 0 or options.uv_range.maximum < math.inf:
-            profile = options.profile
-            measurements = with_natural_snr(
-                measurements, self._observation, sky, profile, options.threads, self._response
-            )
         uv_range = UvRange(used.shortest, field.uv_range.maximum)
         return Extracted(measurements, sky, uv_range, record, self._kept)
 

@@ -27,7 +27,8 @@ class Extracted:
     Parameters
     ----------
     measurements
-        By index of the catalogue; those of ``Field.measured``.
+        By index of the catalogue; those of ``Field.measured``. Their ``snr`` is that of the baselines that took part:
+        ``pipeline.extract`` quotes natural weights.
     sky
         All sources of the catalogue as they were found; those that are not in ``Field.modelled`` without flux.
     uv_range

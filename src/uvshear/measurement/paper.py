@@ -7,7 +7,6 @@
    against the better sky; if it is bad again, it keeps its flag, and with it no weight.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
@@ -17,11 +16,10 @@ from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
 from uvshear.extraction.cell_average import CellAverageFacets, PaperTable
 from uvshear.extraction.facets import FacetMethod
-from uvshear.fit.measurement import FitFlag, ShapeMeasurement
+from uvshear.fit.measurement import FitFlag
 from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.extraction import Extracted, Extraction, Progress
 from uvshear.measurement.field import Field
-from uvshear.measurement.natural_snr import with_natural_snr
 from uvshear.measurement.sweep import Sweep
 
 if TYPE_CHECKING:  # the options hold an extraction
@@ -77,11 +75,8 @@ class PaperExtraction(Extraction):
             sweep.expect(len(put_aside))
             sweep.forget(bad)
             measurements |= sweep.measure_shapes(put_aside)
-        quoted: Mapping[int, ShapeMeasurement] = measurements
-        if not options.uv_range.is_everything:
-            quoted = with_natural_snr(measurements, observation, sweep.sky, options.profile)
         return Extracted(
-            measurements=quoted,
+            measurements=measurements,
             sky=sweep.sky,
             uv_range=field.uv_range,
             record={
