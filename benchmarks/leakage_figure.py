@@ -1,6 +1,6 @@
-"""Picture of ``leakage.py``'s table: additive bias against the beam's ellipticity and against the size.
+"""Picture of ``leakage.py``'s table, its seeds joined: additive bias against the beam's ellipticity and the size.
 
-python benchmarks/leakage_figure.py leakage.ecsv docs/pictures/leakage.png
+python benchmarks/leakage_figure.py joined.ecsv docs/pictures/leakage.png
 """
 
 import sys
@@ -13,15 +13,6 @@ MARKS = {"mean": ("o", "C0"), "moments": ("s", "C1"), "bayesian": ("^", "C2")}
 REQUIREMENT = 8.2e-4
 
 
-def weighed(rows: Table, column: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Give the places in order, and c1 with its error there, of all seeds together."""
-    place = np.unique(rows[column])
-    each = [rows[rows[column] == x] for x in place]
-    weight = [np.asarray(one["c1_err"]) ** -2 for one in each]
-    c1 = [np.average(one["c1"], weights=w) for one, w in zip(each, weight, strict=True)]
-    return place, np.array(c1), np.array([w.sum() ** -0.5 for w in weight])
-
-
 def main() -> None:
     """Draw it."""
     table = Table.read(sys.argv[1])
@@ -31,11 +22,12 @@ def main() -> None:
     away, sized = table["size_arcsec"] == 0, table["size_arcsec"] > 0
     for axes, rows, column in ((left, table[away], "psf_e1"), (right, table[sized], "size_arcsec")):
         for name, (mark, colour) in MARKS.items():
-            place, c1, error = weighed(rows[rows["estimator"] == name], column)
+            one = rows[rows["estimator"] == name]
+            one.sort(column)
             axes.errorbar(
-                place,
-                np.abs(c1),
-                error,
+                one[column],
+                np.abs(one["c1"]),
+                one["c1_err"],
                 marker=mark,
                 color=colour,
                 label=name,
