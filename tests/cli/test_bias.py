@@ -39,6 +39,7 @@ def test_the_bias_of_moments_is_told_and_written(uvshear: Callable, tmp_path: Pa
         (["--position-error-arcsec", "3"], "bear up to"),
         (["--facet", "cell-average"], "is for the paper's mean, not moments"),
         (["--prior", "fitted"], "moments has no prior; bayesian has"),
+        (["--prior", "population.json"], "moments has no prior; bayesian has"),
         (
             ["--wraps", "bayesian", "--prior", "fitted"],
             "--wraps bayesian: is for --estimator metacal",
@@ -117,6 +118,28 @@ def test_the_papers_facets_round_galaxies(uvshear: Callable, tmp_path: Path) -> 
     assert found["cell-average"]["facet"] == "cell-average"
     lost = found["exact"]["m1"] - found["cell-average"]["m1"]
     assert 0.01 < lost < 0.1
+
+
+def test_a_population_of_ones_own_is_what_galaxies_are_taken_for(
+    uvshear: Callable, tmp_path: Path
+) -> None:
+    population = tmp_path / "population.json"
+    population.write_text('{"size": {"intercept": -0.73}}')
+    words = ("--no-rings", "--shear", "0.05", "--flux-min-ujy", "50", "--flux-max-ujy", "75")
+    m1 = {}
+    for prior in ("paper", population):
+        output = tmp_path / "bias.json"
+        outcome = uvshear(
+            *("bias", "--estimator", "bayesian", *QUICK, *words, "--prior", prior),
+            *("-o", output, "--overwrite"),
+        )
+        assert outcome.status == 0, outcome.err
+        record = json.loads(output.read_text())
+        m1[record["prior"]] = record["m1"]
+    assert record["population"]["size"]["intercept"] == -0.73
+    assert record["galaxies"] == 100 > record["n"]
+    # Taken for larger than they are, they seem less elliptical in truth, and to answer more to a shear.
+    assert 0.001 < m1["paper"] - m1["file"] < 0.1
 
 
 def test_metacal_wraps_another_estimator(uvshear: Callable, tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import pytest
 from astropy.table import Table
 
 from tests.shear.test_bayesian import POPULATION, Toy
+from tests.shear.test_hierarchy import toy_likelihoods
 from uvshear import __version__
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.geometry.ellipticity import add_shear
@@ -179,6 +180,45 @@ def test_likelihoods_kept_become_a_shear(uvshear: Callable, tmp_path: Path, like
     assert abs(estimate["g2"]) < 0.5 * estimate["g2_err"]
 
 
+def test_a_fitted_population_is_told_and_can_be_given_again(
+    uvshear: Callable, tmp_path: Path, shapes: Path
+) -> None:
+    likelihoods = toy_likelihoods(150, np.random.default_rng(4), 0.05 + 0j)
+    kept = {k: pack(one) for k, one in enumerate(likelihoods)}
+    write_statistics(statistics_path(shapes), statistics_table(np.arange(200), PACKED, kept))
+
+    def found(name: str, prior: str | Path) -> tuple[dict, str]:
+        output = tmp_path / name
+        words = ("--estimator", "bayesian", "--prior", prior, "-o", output)
+        outcome = uvshear("shear", shapes, *words)
+        assert outcome.status == 0, outcome.err
+        return json.loads(output.read_text()), outcome.out
+
+    paper, _ = found("paper.json", "paper")
+    assert (paper["prior"], paper["population"]["size"]["intercept"]) == ("paper", -0.93)
+    fitted, told = found("fitted.json", "fitted")
+    size = fitted["population"]["size"]
+    assert fitted["prior"] == "fitted"
+    assert abs(size["intercept"] + 0.78) < 3 * size["intercept_err"] < 0.15
+    assert f"size intercept = {size['intercept']:.3f} +- {size['intercept_err']:.3f}" in told
+    again, _ = found("again.json", tmp_path / "fitted.json")
+    assert again["prior"] == "file"
+    assert again["g1"] == pytest.approx(fitted["g1"], abs=1e-12)
+    assert abs(again["g1"] - paper["g1"]) > 1e-3
+
+
+def test_a_population_that_is_the_output_too_is_refused(
+    uvshear: Callable, tmp_path: Path, likely: Path
+) -> None:
+    path = tmp_path / "population.json"
+    path.write_text('{"size": {"sigma": 0.4}}')
+    words = ("--estimator", "bayesian", "--prior", path, "-o", path, "--overwrite")
+    outcome = uvshear("shear", likely, *words)
+    assert outcome.status == 2
+    assert "is an input too" in outcome.err
+    assert path.read_text() == '{"size": {"sigma": 0.4}}'
+
+
 def _calibration(path: Path, **changed: object) -> Path:
     record = {"m1": -0.1, "m1_err": 0.01, "m2": 0.0, "m2_err": 0.0, "c1": 1e-3, "c1_err": 1e-3}
     record |= {"c2": 0.0, "c2_err": 0.0, "n": 10, "snr_min": 0.0, "estimator": "mean"} | changed
@@ -205,6 +245,7 @@ def test_a_calibration_is_applied(uvshear: Callable, tmp_path: Path, shapes: Pat
         ({"estimator": "moments"}, "is of the estimator moments, the shear of mean"),
         ({"snr_min": 10.0}, "is of --snr-min 10, the shear of 0"),
         ({"flux_min_ujy": 25.0}, "is of --flux-min-ujy 25, the shear of 0"),
+        ({"prior": "fitted"}, "is of --prior fitted, the shear of paper"),
         ({"facet": "cell-average"}, "is of facet cell-average"),
         ({"legacy_shear": True}, "is of legacy shear True"),
         ({"wraps": "moments"}, "is of wraps moments"),

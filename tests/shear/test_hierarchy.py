@@ -19,7 +19,7 @@ TRUE = replace(
 )
 
 
-def _likelihoods(number, rng, g=0.02 + 0j):
+def toy_likelihoods(number, rng, g=0.02 + 0j):
     """Galaxies of the true population behind a shear, with noise in shape and size."""
     modulus = TRUE.ellipticity.draw_modulus(number, rng)
     e = add_shear(modulus * np.exp(2j * np.pi * rng.uniform(size=number)), g)
@@ -36,7 +36,7 @@ def _likelihoods(number, rng, g=0.02 + 0j):
 
 @pytest.fixture(scope="module")
 def fitted():
-    likelihoods = _likelihoods(150, np.random.default_rng(4))
+    likelihoods = toy_likelihoods(150, np.random.default_rng(4))
     return likelihoods, fit_population(likelihoods, POPULATION, 0.02 + 0j)
 
 
@@ -68,6 +68,6 @@ def test_no_step_leads_to_a_more_probable_population(fitted):
 
 
 def test_few_galaxies_are_no_population():
-    likelihoods = _likelihoods(5, np.random.default_rng(4))
+    likelihoods = toy_likelihoods(5, np.random.default_rng(4))
     with pytest.raises(InputError, match="40 or more"):
         fit_population(likelihoods, POPULATION, 0j)

@@ -33,7 +33,7 @@ from uvshear.cli.options import (
     positive_range,
     thread_count,
 )
-from uvshear.cli.priors import PriorName
+from uvshear.cli.priors import FILE, FITTED, METAVAR, PAPER, Prior
 from uvshear.cli.profiles import ProfileName, profile_of
 from uvshear.cli.terminal import progress_bar, say
 
@@ -104,9 +104,12 @@ def bias(
         ProfileName, typer.Option(help="True profile; exponential discs are fitted.")
     ] = ProfileName.EXPONENTIAL,
     prior: Annotated[
-        PriorName,
-        typer.Option(help="Population of bayesian: the one drawn from, or fitted to a sample."),
-    ] = PriorName.PAPER,
+        str,
+        typer.Option(
+            metavar=METAVAR,
+            help="Population of bayesian: the paper's, drawn from; fitted to a sample; or of a JSON file.",
+        ),
+    ] = PAPER,
     wraps: Annotated[
         WrappedName | None,
         typer.Option(help="What metacal calibrates; by default the mean.", show_default=False),
@@ -149,6 +152,7 @@ def bias(
     from uvshear.interferometer.plan import ObservingPlan
     from uvshear.interferometer.spectral_window import Channels
     from uvshear.io.outputs import check_file, write_json
+    from uvshear.io.population import population_record
     from uvshear.measurement import MeasurementOptions
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
     from uvshear.simulation.noise_level import GalaxyNoise
@@ -156,16 +160,14 @@ def bias(
 
     check_file(output, overwrite=overwrite)
     is_measured, is_averaged = selection is SelectionName.MEASURED, facet is FacetName.CELL_AVERAGE
-    is_fitted = prior is PriorName.FITTED
     refuse_shear(shear, is_averaged=is_averaged)
-    refuse_estimator(
-        estimator, wraps, is_measured=is_measured, is_fitted=is_fitted, is_averaged=is_averaged
-    )
+    refuse_estimator(estimator, wraps, prior, is_measured=is_measured, is_averaged=is_averaged)
+    assumed = Prior.from_option(prior)
     if density is not None:
         refuse_in_a_crowd(
             {
                 "--selection measured": is_measured,
-                "--prior fitted": is_fitted,
+                f"--prior {FITTED}": assumed.is_fitted,
                 "--no-rings": not rings,
                 "--position-error-arcsec": position_error_arcsec > 0,
                 "--facet cell-average": is_averaged,
@@ -190,7 +192,7 @@ def bias(
     with progress_bar("calibrating") as progress:
         if density is not None:
             options = MeasurementOptions(threads=survey.threads)
-            method = field_estimator_of(estimator, seed)
+            method = field_estimator_of(estimator, assumed, seed)
             (biases,) = calibrate_crowded(
                 survey.crowd(galaxies, density), [method], options, progress
             )
@@ -202,18 +204,20 @@ def bias(
                 has_rings=rings,
             )
             one = estimator_of(
-                estimator, wraps, prior, position_sigma, snr_min if is_measured else None
+                estimator, wraps, assumed, position_sigma, snr_min if is_measured else None
             )
             biases = calibrate(experiment, one, galaxies, survey.threads, progress)
     say("\n".join(map(describe, biases)))
     record = biases[0].record() | {
         "estimator": estimator.value,
+        "galaxies": galaxies,
         "shear": shear,
         "orientations": orientations,
         "rings": rings,
         "legacy_shear": legacy_shear,
         "profile": profile.value,
-        "prior": prior.value,
+        "prior": assumed.source,
+        "population": population_record(assumed.population) if assumed.source == FILE else None,
         "wraps": (wraps or WrappedName.MEAN).value if estimator is CalibratedName.METACAL else None,
         "facet": facet.value,
         "density": density,

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from uvshear.cli.priors import PriorName
+from uvshear.cli.priors import PAPER, Prior
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
@@ -55,9 +55,9 @@ def refuse_shear(shear: float, *, is_averaged: bool) -> None:
 def refuse_estimator(
     estimator: CalibratedName,
     wraps: WrappedName | None,
+    prior: str,
     *,
     is_measured: bool,
-    is_fitted: bool,
     is_averaged: bool,
 ) -> None:
     """Refuse options that the estimator would not heed."""
@@ -70,8 +70,8 @@ def refuse_estimator(
             " the shapes; --selection catalogue is needed"
         )
     named = (wraps or WrappedName.MEAN).value if is_metacal else estimator.value
-    if is_fitted and named != CalibratedName.BAYESIAN.value:
-        raise InputError(f"--prior fitted: {named} has no prior; bayesian has")
+    if prior != PAPER and named != CalibratedName.BAYESIAN.value:
+        raise InputError(f"--prior {prior}: {named} has no prior; bayesian has")
     if is_averaged and estimator is not CalibratedName.MEAN:
         raise InputError(f"--facet cell-average: is for the paper's mean, not {estimator.value}")
 
@@ -86,7 +86,7 @@ def refuse_in_a_crowd(given: Mapping[str, bool]) -> None:
 def estimator_of(
     name: CalibratedName,
     wraps: WrappedName | None,
-    prior: PriorName,
+    prior: Prior,
     position_sigma: float,
     snr_min: float | None,
 ) -> "Estimator":
@@ -102,7 +102,9 @@ def estimator_of(
     kinds: dict[str, Callable[[], Estimator]] = {
         CalibratedName.MEAN: MeanEstimator,
         CalibratedName.MOMENTS: lambda: MomentEstimator(position_sigma),
-        CalibratedName.BAYESIAN: lambda: BayesianEstimator(is_learning=prior is PriorName.FITTED),
+        CalibratedName.BAYESIAN: lambda: BayesianEstimator(
+            population=prior.population, is_learning=prior.is_fitted
+        ),
     }
     is_wrapped = name is CalibratedName.METACAL
     if is_wrapped:
@@ -111,7 +113,7 @@ def estimator_of(
     return one if snr_min is None else SelectedEstimator(one, snr_min)
 
 
-def field_estimator_of(name: CalibratedName, seed: int) -> "FieldEstimator":
+def field_estimator_of(name: CalibratedName, prior: Prior, seed: int) -> "FieldEstimator":
     """Return the estimator of a name for galaxies of a field."""
     from uvshear.calibration.crowded import (
         FieldBayesian,
@@ -123,7 +125,7 @@ def field_estimator_of(name: CalibratedName, seed: int) -> "FieldEstimator":
     kinds: dict[CalibratedName, Callable[[], FieldEstimator]] = {
         CalibratedName.MEAN: FieldMean,
         CalibratedName.MOMENTS: FieldMoments,
-        CalibratedName.BAYESIAN: FieldBayesian,
+        CalibratedName.BAYESIAN: lambda: FieldBayesian(prior.population),
         CalibratedName.METACAL: lambda: FieldMetacal(seed),
     }
     return kinds[name]()

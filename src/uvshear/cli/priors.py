@@ -1,10 +1,43 @@
-"""Populations by name."""
+"""Where the population of a Bayesian shear comes from: the paper, the sample itself, or a file."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
 
-from enum import StrEnum
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+if TYPE_CHECKING:
+    from uvshear.shear.bayesian import UnlensedPopulation
+
+PAPER, FITTED, FILE = "paper", "fitted", "file"
+METAVAR = f"{PAPER}|{FITTED}|FILE"
 
 
-class PriorName(StrEnum):
-    """Where the population of a Bayesian shear comes from."""
+@dataclass(frozen=True)
+class Prior:
+    """A population, as an option names it.
 
-    PAPER = "paper"
-    FITTED = "fitted"
+    Parameters
+    ----------
+    source
+        ``paper``, ``fitted``, or ``file``.
+    population
+        The one that is taken, or that a fit begins with.
+    """
+
+    source: str
+    population: "UnlensedPopulation"
+
+    @classmethod
+    def from_option(cls, name: str) -> Self:
+        """Read it, if it is a file."""
+        from uvshear.io.population import read_population
+        from uvshear.shear.bayesian import UnlensedPopulation
+
+        if name in (PAPER, FITTED):
+            return cls(name, UnlensedPopulation())
+        return cls(FILE, read_population(Path(name)))
+
+    @property
+    def is_fitted(self) -> bool:
+        """Whether it is fitted to the sample."""
+        return self.source == FITTED

@@ -1,7 +1,7 @@
 """``uvshear shear``: the mean shear of a table of shapes."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,15 +10,18 @@ import typer
 
 from uvshear import __version__
 from uvshear.cli.options import Overwrite, Seed, non_negative
-from uvshear.cli.priors import PriorName
+from uvshear.cli.priors import METAVAR, PAPER, Prior
 from uvshear.cli.terminal import say
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from astropy.table import Table
 
     from uvshear.shear.estimator import ShearEstimator
     from uvshear.shear.mean import ShearEstimate
+    from uvshear.typing import Array, Bool
 
 EPILOG = "Example: uvshear shear SHAPES.fits --snr-min 10 -o SHEAR.json"
 
@@ -54,9 +57,12 @@ def shear(
         Path | None, typer.Option(help="Bias to take out, written by uvshear bias.")
     ] = None,
     prior: Annotated[
-        PriorName,
-        typer.Option(help="Population of bayesian: the paper's, or fitted to the sources."),
-    ] = PriorName.PAPER,
+        str,
+        typer.Option(
+            metavar=METAVAR,
+            help="Population of bayesian: the paper's, fitted to the sources, or of a JSON file.",
+        ),
+    ] = PAPER,
     seed: Seed = 1,
     output: Annotated[
         Path | None, typer.Option("-o", "--output", help="JSON file to write.")
@@ -69,15 +75,16 @@ def shear(
     from uvshear.io.outputs import check_file, write_json
     from uvshear.io.shapes import inside, read_shapes
     from uvshear.pipeline import selected
-    from uvshear.shear.estimator import BayesianShear, by_flux
+    from uvshear.shear.estimator import by_flux
 
     if output is not None:
-        inputs = (shapes,) if calibration is None else (shapes, calibration)
+        inputs = [shapes, Path(prior), *([] if calibration is None else [calibration])]
         check_file(output, overwrite=overwrite, inputs=inputs)
-    if prior is PriorName.FITTED and estimator is not EstimatorName.BAYESIAN:
+    if prior != PAPER and estimator is not EstimatorName.BAYESIAN:
         raise InputError(
-            f"--prior fitted: {estimator.value} has no prior; --estimator bayesian has"
+            f"--prior {prior}: {estimator.value} has no prior; --estimator bayesian has"
         )
+    assumed = Prior.from_option(prior)
     flux_min = flux_min_ujy * MICROJANSKY
     bias = None if calibration is None else read_calibration(calibration)
     if bias is not None:
@@ -85,15 +92,14 @@ def shear(
             "the estimator": (bias.estimator, estimator.value),
             "--snr-min": (f"{bias.snr_min:g}", f"{snr_min:g}"),
             "--flux-min-ujy": (f"{bias.flux_min / MICROJANSKY:g}", f"{flux_min_ujy:g}"),
+            "--prior": (bias.prior, assumed.source),
         }
         for name, (its, own) in same.items():
             if its != own:
                 raise InputError(f"{calibration}: is of {name} {its}, the shear of {own}")
     table = read_shapes(shapes)
     chosen = selected(table, snr_min=snr_min, flux_min=flux_min)
-    method = _method(estimator, shapes, table, seed)
-    if prior is PriorName.FITTED and isinstance(method, BayesianShear):
-        method = method.fitted(chosen)
+    method, population = _with_population(_method(estimator, shapes, table, seed), assumed, chosen)
     total = method.of(chosen)
     bins = by_flux(method, inside(table, "flux"), chosen) if "flux" in table.colnames else {}
     if bias is not None:
@@ -105,6 +111,7 @@ def shear(
         record = asdict(total) | {
             "version": __version__,
             "calibration": None if calibration is None else str(calibration),
+            **population,
             "bins": [{"flux": name, **asdict(one)} for name, one in bins.items()],
         }
         write_json(output, record, overwrite=overwrite)
@@ -126,6 +133,35 @@ def _method(name: EstimatorName, shapes: Path, table: "Table", seed: int) -> "Sh
     if name is EstimatorName.BAYESIAN:
         return bayesian_shear(read_statistics(shapes, table["id"], PACKED, "likelihood"))
     return mean_shear(table, seed)
+
+
+def _with_population(
+    method: "ShearEstimator", prior: Prior, chosen: "Bool[Array, ' source']"
+) -> tuple["ShearEstimator", dict[str, object]]:
+    """Give a Bayesian estimator its population, fitted to the chosen if it is to be; and what a file says of it."""
+    from uvshear.io.population import fitted_record, population_record
+    from uvshear.shear.estimator import BayesianShear
+
+    if not isinstance(method, BayesianShear):
+        return method, {}
+    method = replace(method, population=prior.population)
+    record = population_record(prior.population)
+    if prior.is_fitted:
+        found = method.fit_population(chosen)
+        method, record = replace(method, population=found.population), fitted_record(found)
+        say(describe_population(record))
+    return method, {"prior": prior.source, "population": record}
+
+
+def describe_population(record: "Mapping[str, Mapping[str, float]]") -> str:
+    """One line for the terminal, of what was fitted."""
+    parts = [
+        f"{part} {name} = {value:.3f} +- {values[f'{name}_err']:.3f}"
+        for part, values in record.items()
+        for name, value in values.items()
+        if f"{name}_err" in values
+    ]
+    return f"population: {', '.join(parts)}"
 
 
 def describe_shear(estimate: "ShearEstimate") -> str:

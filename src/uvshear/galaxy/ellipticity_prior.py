@@ -123,6 +123,10 @@ class DiscEllipticityPrior(EllipticityPrior):
 
     def __post_init__(self) -> None:
         _check_maximum(self.maximum)
+        if not (self.c > 0 and self.e0 > 0):
+            raise InputError(
+                f"ellipticity prior: c is {self.c} and e0 {self.e0}; more than 0 is needed"
+            )
 
     def relative_density(self, modulus: Float[Array, "..."]) -> Float[Array, "..."]:
         """P(|e|) / |e| without its constants."""

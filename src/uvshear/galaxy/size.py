@@ -103,6 +103,10 @@ class SizeFluxRelation(SizeModel):
     slope: float = 0.33
     sigma: float = 0.3136
 
+    def __post_init__(self) -> None:
+        if not self.sigma > 0:
+            raise InputError(f"size-flux relation: sigma is {self.sigma}; more than 0 is needed")
+
     def log_median(self, flux: Float[Array, "..."]) -> Float[Array, "..."]:
         """Mean of ln(alpha / rad) at a flux [Jy]."""
         return math.log(ARCSEC) + self.intercept + self.slope * np.log(flux / MICROJANSKY)

@@ -1,12 +1,11 @@
 """Reader of the biases that ``uvshear bias`` writes."""
 
-import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
 
 from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
+from uvshear.io.records import finite, read_record
 from uvshear.shear.calibration import Calibration, Component, Pair
 
 _AS_MEASURED = {"wraps": "mean", "facet": "exact", "legacy_shear": False}
@@ -15,22 +14,16 @@ _AS_MEASURED = {"wraps": "mean", "facet": "exact", "legacy_shear": False}
 
 def read_calibration(path: Path) -> Calibration:
     """Read m and c of an estimator."""
-    if not path.exists():
-        raise InputError(f"{path}: no such file")
-    try:
-        record = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path}: cannot be read as JSON: {error}") from error
-    if not isinstance(record, dict):
-        raise InputError(f"{path}: is not a file written by `uvshear bias`")
+    record = read_record(path, "a file written by `uvshear bias`")
+    rows = record.get("bins")
     bins = {
         str(one["flux"]): _pair(path, one)
-        for one in record.get("bins", [])
+        for one in (rows if isinstance(rows, list) else [])
         if isinstance(one, dict) and "flux" in one
     }
     if (most := record.get("flux_max_ujy")) is not None:
         raise InputError(f"{path}: is of galaxies of no more than {most} uJy; a shear has all")
-    flux_min = float(record.get("flux_min_ujy") or 0.0) * MICROJANSKY
+    flux_min = (finite(record, "flux_min_ujy") or 0.0) * MICROJANSKY
     estimator = str(record.get("estimator", ""))
     for name, usual in _AS_MEASURED.items():
         if (its := record.get(name, usual)) not in (usual, None):
@@ -38,7 +31,12 @@ def read_calibration(path: Path) -> Calibration:
                 f"{path}: is of {name.replace('_', ' ')} {its}, which no shear of measured shapes has"
             )
     return Calibration(
-        _pair(path, record), bins, estimator, _number(path, record, "snr_min"), flux_min
+        _pair(path, record),
+        bins,
+        estimator,
+        _number(path, record, "snr_min"),
+        flux_min,
+        str(record.get("prior", "paper")),
     )
 
 
@@ -55,7 +53,6 @@ def _pair(path: Path, record: Mapping[str, object]) -> Pair:
 
 
 def _number(path: Path, record: Mapping[str, object], name: str) -> float:
-    value = record.get(name)
-    if not isinstance(value, int | float) or not math.isfinite(value):
+    if (value := finite(record, name)) is None:
         raise InputError(f"{path}: has no number '{name}'; `uvshear bias` with a shear writes one")
-    return float(value)
+    return value

@@ -40,6 +40,8 @@ class Calibration:
         Its name.
     snr_min, flux_min
         Cuts that the galaxies had passed, by signal-to-noise ratio and by flux [Jy].
+    prior
+        Where a Bayesian estimate's population had come from: ``paper``, ``fitted`` or ``file``.
     """
 
     total: Pair
@@ -47,6 +49,7 @@ class Calibration:
     estimator: str
     snr_min: float
     flux_min: float = 0.0
+    prior: str = "paper"
 
     def applied(self, estimate: ShearEstimate) -> ShearEstimate:
         """Take the bias out of the shear of all galaxies."""

@@ -2,8 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Self
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from uvshear.shear.bayesian import (
     gradient_and_curvature,
 )
 from uvshear.shear.flux_bins import FLUX_BINS
-from uvshear.shear.hierarchy import fit_population
+from uvshear.shear.hierarchy import FittedPopulation, fit_population
 from uvshear.shear.mean import ShearEstimate, weighted_mean_shear
 from uvshear.shear.moments import about_shear, moment_weight
 from uvshear.shear.response import Responses
@@ -122,12 +121,11 @@ class BayesianShear(ShearEstimator):
         """Those with a likelihood."""
         return np.array([one is not None for one in self.likelihoods])
 
-    def fitted(self, chosen: Bool[Array, " source"]) -> Self:
-        """Return it with a population fitted to the chosen galaxies, about their shear."""
+    def fit_population(self, chosen: Bool[Array, " source"]) -> FittedPopulation:
+        """Fit the population to the chosen galaxies, about their shear."""
         estimate = self.of(chosen)
         about = complex(estimate.g1, estimate.g2)
-        found = fit_population(self._chosen(chosen), self.population, about)
-        return replace(self, population=found.population)
+        return fit_population(self._chosen(chosen), self.population, about)
 
     def _chosen(self, chosen: Bool[Array, " source"]) -> list[ShapeLikelihood]:
         pairs = zip(self.likelihoods, chosen.tolist(), strict=True)

@@ -1,0 +1,91 @@
+"""A population in a JSON file: what a Bayesian shear takes galaxies to come from, or what was fitted to them.
+
+.. code-block:: json
+
+    {"flux": {"index": -1.34, "minimum_ujy": 10, "maximum_ujy": 200},
+     "size": {"intercept": -0.93, "slope": 0.33, "sigma": 0.3136},
+     "ellipticity": {"c": 0.2298, "e0": 0.0732, "maximum": 0.804}}
+
+What is left out is the paper's (``PowerLawFlux``, ``SizeFluxRelation``, ``DiscEllipticityPrior`` have the meanings).
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from uvshear.constants import MICROJANSKY
+from uvshear.errors import InputError
+from uvshear.galaxy import DiscEllipticityPrior
+from uvshear.io.records import finite, read_record
+from uvshear.shear.bayesian import UnlensedPopulation
+from uvshear.shear.hierarchy import FittedPopulation
+
+_FIELDS = {
+    "flux": {"index": "index", "minimum_ujy": "minimum", "maximum_ujy": "maximum"},
+    "size": {name: name for name in ("intercept", "slope", "sigma")},
+    "ellipticity": {name: name for name in ("c", "e0", "maximum")},
+}
+"""Names in the file of each part's parameters."""
+
+_ERROR = "_err"
+
+
+def _unit(name: str) -> float:
+    return MICROJANSKY if name.endswith("_ujy") else 1.0
+
+
+def population_record(population: UnlensedPopulation) -> dict[str, dict[str, float]]:
+    """Numbers of a population for a file; ellipticities of another kind than the paper's are left out."""
+    record = {}
+    for part, fields in _FIELDS.items():
+        one = getattr(population, part)
+        if part != "ellipticity" or isinstance(one, DiscEllipticityPrior):
+            record[part] = {name: getattr(one, its) / _unit(name) for name, its in fields.items()}
+    return record
+
+
+def fitted_record(found: FittedPopulation) -> dict[str, dict[str, float]]:
+    """Numbers of a fitted population, with the errors of what was fitted."""
+    record = population_record(found.population)
+    errors = [math.sqrt(value) for value in found.covariance.diagonal()]
+    # Of the size itself, not of its logarithm's scatter: the first parameter is the intercept.
+    places = [("size", "intercept"), ("size", "sigma"), ("ellipticity", "c"), ("ellipticity", "e0")]
+    for k, (error, (part, name)) in enumerate(zip(errors, places, strict=False)):
+        record[part][name + _ERROR] = error * (1.0 if k == 0 else record[part][name])
+    return record
+
+
+def read_population(path: Path) -> UnlensedPopulation:
+    """Read a population: a file of its own, or of a shear that has it as ``population``."""
+    record = read_record(path, "a population")
+    parts = record.get("population", record)
+    if not isinstance(parts, dict) or (unknown := sorted(set(parts) - set(_FIELDS))):
+        strange = f"has '{unknown[0]}'" if isinstance(parts, dict) else "has no parts"
+        raise InputError(f"{path}: {strange}; a population has {', '.join(_FIELDS)}")
+    population = UnlensedPopulation()
+    for part, values in parts.items():
+        given = _values(path, part, values)
+        try:
+            its = replace(getattr(population, part), **given)
+        except InputError as error:
+            raise InputError(f"{path}: {error}") from error
+        population = replace(population, **{part: its})
+    return population
+
+
+def _values(path: Path, part: str, values: object) -> Mapping[str, float]:
+    """Parameters of a part, as their class has them."""
+    fields = _FIELDS[part]
+    if not isinstance(values, dict):
+        raise InputError(f"{path}: '{part}' is no object of {', '.join(fields)}")
+    found = {}
+    for name in values:
+        if name.removesuffix(_ERROR) not in fields:
+            raise InputError(f"{path}: '{part}' has '{name}'; it has {', '.join(fields)}")
+        if name.endswith(_ERROR):
+            continue
+        if (value := finite(values, name)) is None:
+            raise InputError(f"{path}: '{part}' has no number as '{name}'")
+        found[fields[name]] = value * _unit(name)
+    return found

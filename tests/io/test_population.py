@@ -1,0 +1,97 @@
+"""Populations in JSON files."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from uvshear.constants import MICROJANSKY
+from uvshear.errors import InputError
+from uvshear.galaxy import (
+    DiscEllipticityPrior,
+    FlatEllipticityPrior,
+    PowerLawFlux,
+    SizeFluxRelation,
+)
+from uvshear.io.population import fitted_record, population_record, read_population
+from uvshear.shear.bayesian import UnlensedPopulation
+from uvshear.shear.hierarchy import FittedPopulation
+
+OWN = UnlensedPopulation(
+    PowerLawFlux(index=-1.6, minimum=5 * MICROJANSKY, maximum=300 * MICROJANSKY),
+    SizeFluxRelation(intercept=-0.8, slope=0.3, sigma=0.4),
+    DiscEllipticityPrior(c=0.3, e0=0.1, maximum=0.9),
+)
+
+
+def _written(tmp_path: Path, record: object) -> Path:
+    path = tmp_path / "population.json"
+    path.write_text(json.dumps(record))
+    return path
+
+
+def test_what_is_written_is_read(tmp_path: Path) -> None:
+    found = read_population(_written(tmp_path, population_record(OWN)))
+    assert (found.size, found.ellipticity) == (OWN.size, OWN.ellipticity)
+    assert found.flux.index == OWN.flux.index
+    assert found.flux.minimum == pytest.approx(OWN.flux.minimum)
+    assert found.flux.maximum == pytest.approx(OWN.flux.maximum)
+
+
+def test_fluxes_are_in_microjanskys(tmp_path: Path) -> None:
+    found = read_population(_written(tmp_path, {"flux": {"minimum_ujy": 3.0}}))
+    assert found.flux.minimum == pytest.approx(3e-6)
+
+
+def test_what_is_left_out_is_the_papers(tmp_path: Path) -> None:
+    found = read_population(_written(tmp_path, {"size": {"sigma": 0.2}}))
+    assert found == replace(UnlensedPopulation(), size=SizeFluxRelation(sigma=0.2))
+
+
+def test_a_fitted_population_has_errors_and_is_read_again(tmp_path: Path) -> None:
+    covariance = np.diag([0.02, 0.05, 0.1, 0.2]) ** 2
+    record = fitted_record(FittedPopulation(OWN, covariance))
+    assert record["size"]["intercept_err"] == pytest.approx(0.02)
+    assert record["size"]["sigma_err"] == pytest.approx(0.05 * 0.4)
+    assert record["ellipticity"]["c_err"] == pytest.approx(0.1 * 0.3)
+    assert record["ellipticity"]["e0_err"] == pytest.approx(0.2 * 0.1)
+    # as a shear has it
+    found = read_population(_written(tmp_path, {"g1": 0.01, "population": record}))
+    assert found.size == OWN.size
+
+
+def test_ellipticities_of_another_kind_are_left_out() -> None:
+    flat = replace(OWN, ellipticity=FlatEllipticityPrior())
+    assert set(population_record(flat)) == {"flux", "size"}
+    fitted = fitted_record(FittedPopulation(flat, np.eye(2)))
+    assert set(fitted["size"]) == {"intercept", "slope", "sigma", "intercept_err", "sigma_err"}
+
+
+@pytest.mark.parametrize(
+    ("record", "message"),
+    [
+        ([], "is not a population"),
+        ({"sizes": {}}, "has 'sizes'; a population has flux, size, ellipticity"),
+        ({"population": 3}, "has no parts"),
+        ({"size": 3}, "'size' is no object of intercept, slope, sigma"),
+        ({"size": {"scatter": 0.3}}, "'size' has 'scatter'; it has intercept, slope, sigma"),
+        ({"size": {"sigma": "wide"}}, "'size' has no number as 'sigma'"),
+        ({"size": {"sigma": -0.3}}, "size-flux relation: sigma is -0.3; more than 0"),
+        ({"ellipticity": {"e0": 0}}, "more than 0 is needed"),
+        ({"ellipticity": {"maximum": 1.5}}, "it lies between 0 and 1"),
+        ({"flux": {"minimum_ujy": 500}}, "0 < minimum < maximum"),
+    ],
+)
+def test_a_wrong_file_is_one_line(tmp_path: Path, record: object, message: str) -> None:
+    with pytest.raises(InputError) as error:
+        read_population(_written(tmp_path, record))
+    assert "population.json: " in str(error.value)
+    assert message in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="papers: no such file"):
+        read_population(tmp_path / "papers")
