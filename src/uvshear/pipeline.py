@@ -34,11 +34,12 @@ from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
-from uvshear.measurement import Extracted, Field, MeasurementOptions, Progress
+from uvshear.measurement import Extracted, Field, MeasurementOptions
 from uvshear.measurement.metacal import MetacalStatistic
 from uvshear.measurement.natural_snr import with_natural_snr
 from uvshear.measurement.weighed import weigh
 from uvshear.predict.response import FAINTEST, Response
+from uvshear.progress import Progress
 from uvshear.shear.bayesian import UnlensedPopulation
 from uvshear.shear.estimator import BayesianShear, MeanShear, MetacalShear, MomentShear
 from uvshear.shear.mean import ShearEstimate

@@ -18,8 +18,9 @@ from uvshear.interferometer.coverage import synthesise
 from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.measurement import Extracted, MeasurementOptions, Progress
+from uvshear.measurement import Extracted, MeasurementOptions
 from uvshear.pipeline import extract
+from uvshear.progress import Progress
 from uvshear.simulation.field import SquareField
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise

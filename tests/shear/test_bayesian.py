@@ -5,7 +5,13 @@ import pytest
 
 from uvshear.constants import MICROJANSKY
 from uvshear.geometry.ellipticity import add_shear
-from uvshear.shear.bayesian import ShapeLikelihood, UnlensedPopulation, gradient_and_curvature
+from uvshear.shear.bayesian import (
+    ShapeLikelihood,
+    UnlensedPopulation,
+    gradient_and_curvature,
+    log_evidence,
+)
+from uvshear.shear.hierarchy import moved
 
 POPULATION = UnlensedPopulation()
 FLUX, FLUX_SIGMA = 20 * MICROJANSKY, 1.5 * MICROJANSKY
@@ -43,7 +49,7 @@ class Toy:
         return ShapeLikelihood(point[kept], origin, axes, log[kept], flux, variance)
 
 
-def _evidence(toy, g):
+def _evidence(toy, g, population=POPULATION):
     """Sum over a grid of the observed e, ln alpha and S."""
     x = np.arange(-0.96, 0.96, 0.012) + 0.0013
     e = (x[:, None] + 1j * x[None, :]).ravel()
@@ -53,10 +59,10 @@ def _evidence(toy, g):
     unlensed = add_shear(e, -g)
     r = (1 - abs(g) ** 2) / np.abs(1 - np.conj(g) * e) ** 2
     of_size = size[None, :, None] + 0.5 * np.log(r)[:, None, None]
-    t = (of_size - POPULATION.size.log_median(s)) / POPULATION.size.sigma
-    of_flux = POPULATION.flux.density(s) * np.exp(-0.5 * ((s - FLUX) / FLUX_SIGMA) ** 2)
-    prior = np.sum(np.exp(-0.5 * t**2) * of_flux, axis=-1)
-    density = np.exp(POPULATION.ellipticity.log_density(unlensed)) * r**2
+    t = (of_size - population.size.log_median(s)) / population.size.sigma
+    of_flux = population.flux.density(s) * np.exp(-0.5 * ((s - FLUX) / FLUX_SIGMA) ** 2)
+    prior = np.sum(np.exp(-0.5 * t**2) * of_flux, axis=-1) / population.size.sigma
+    density = np.exp(population.ellipticity.log_density(unlensed)) * r**2
     return np.sum(density[:, None] * prior * np.exp(toy.log(e[:, None], size)))
 
 
@@ -85,6 +91,39 @@ def test_gradient_and_curvature_are_those_of_brute_force(e, sigma, about):
     # the grid's own errors are the larger part
     np.testing.assert_allclose(q, exact_q, atol=0.02 * np.hypot(*exact_q) + 0.02)
     np.testing.assert_allclose(h, exact_h, atol=0.04 * np.abs(exact_h).max() + 0.1)
+
+
+@pytest.mark.parametrize(
+    ("e", "sigma"), [(0.25 + 0.1j, 0.2), (0.05j, 0.15), (-0.5 + 0.3j, 0.1), (0.3 - 0.3j, 0.05)]
+)
+def test_the_gradient_by_the_population_is_that_of_brute_force(e, sigma):
+    """By mu, ln sigma and the logarithms of both scales of the ellipticities."""
+    toy, about, step = Toy(e, sigma), 0.05 - 0.02j, 0.03
+    steps = step * np.eye(4)
+    expected = [
+        (
+            np.log(_evidence(toy, about, moved(POPULATION, one)))
+            - np.log(_evidence(toy, about, moved(POPULATION, -one)))
+        )
+        / (2 * step)
+        for one in steps
+    ]
+    sides = [
+        (moved(POPULATION, one).ellipticity, moved(POPULATION, -one).ellipticity)
+        for one in steps[2:]
+    ]
+    _, gradient = log_evidence(toy.on_lattice(), POPULATION, about, sides, 2 * step)
+    np.testing.assert_allclose(gradient, expected, atol=0.004)
+
+
+def test_log_evidences_of_two_populations_differ_as_brute_force_has_it():
+    toy = Toy(0.25 + 0.1j, 0.2)
+    other = moved(POPULATION, np.array([0.1, 0.2, 0.3, -0.4]))
+    lattice = toy.on_lattice()
+    found = [log_evidence(lattice, one, 0.02j)[0] for one in (POPULATION, other)]
+    expected = [np.log(_evidence(toy, 0.02j, one)) for one in (POPULATION, other)]
+    assert abs(np.diff(expected)[0]) > 0.05
+    assert np.diff(found)[0] == pytest.approx(np.diff(expected)[0], abs=0.004)
 
 
 def test_the_population_behind_a_shear_is_seen_where_it_is():

@@ -9,8 +9,9 @@ from tests.shear.test_bayesian import FLUX, POPULATION, Toy
 from uvshear.errors import InputError
 from uvshear.galaxy import DiscEllipticityPrior, SizeFluxRelation
 from uvshear.geometry.ellipticity import add_shear
+from uvshear.progress import Meter
 from uvshear.shear.bayesian import log_evidence
-from uvshear.shear.hierarchy import fit_population, moved
+from uvshear.shear.hierarchy import LIKENESS, fit_population, moved
 
 TRUE = replace(
     POPULATION,
@@ -57,7 +58,7 @@ def test_no_step_leads_to_a_more_probable_population(fitted):
     error = np.sqrt(np.diag(found.covariance))
 
     def total(population):
-        return sum(log_evidence(one, population, 0.02 + 0j) for one in likelihoods)
+        return sum(log_evidence(one, population, 0.02 + 0j)[0] for one in likelihoods)
 
     best = total(found.population)
     for k in range(4):
@@ -65,6 +66,27 @@ def test_no_step_leads_to_a_more_probable_population(fitted):
             step = np.zeros(4)
             step[k] = sign * error[k]
             assert total(moved(found.population, step)) < best
+
+
+def test_what_few_galaxies_do_not_tell_stays_near_the_first_guess():
+    """Of sixty of them the likelihood alone has no maximum: a scale of the ellipticities runs away."""
+    likelihoods = toy_likelihoods(60, np.random.default_rng(8))
+    found = fit_population(likelihoods, POPULATION, 0.02 + 0j)
+    error = np.sqrt(np.diag(found.covariance))
+    assert np.all(error < LIKENESS)
+    assert error[3] > 0.5
+    assert abs(np.log(found.population.ellipticity.e0 / POPULATION.ellipticity.e0)) < 2
+
+
+def test_the_meter_counts_galaxies():
+    likelihoods, told = toy_likelihoods(40, np.random.default_rng(4)), []
+    fit_population(
+        likelihoods, POPULATION, 0.02 + 0j, Meter(lambda done, total: told.append((done, total)))
+    )
+    done, total = zip(*told, strict=True)
+    assert len(done) % 40 == 0
+    assert done == tuple(range(1, len(done) + 1))
+    assert total[0] == 6 * 40
 
 
 def test_few_galaxies_are_no_population():

@@ -17,10 +17,11 @@ from uvshear.galaxy import (
     Profile,
 )
 from uvshear.interferometer.visibilities import VisibilitySet
-from uvshear.measurement.extraction import Extracted, Progress
+from uvshear.measurement.extraction import Extracted
 from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic, Statistic
 from uvshear.measurement.metacal import MetacalStatistic
 from uvshear.predict import predict_visibilities
+from uvshear.progress import Progress
 from uvshear.shear.bayesian import UnlensedPopulation, gradient_and_curvature
 from uvshear.shear.flux_bins import FLUX_BINS
 from uvshear.shear.packing import unpack

@@ -18,7 +18,7 @@ from uvshear.errors import InputError
 from uvshear.fit.measurement import GalaxyFit
 from uvshear.fit.prior import ShapePrior
 from uvshear.galaxy import Exponential, Galaxies, Profile, SizeFluxRelation
-from uvshear.measurement.extraction import Progress
+from uvshear.progress import Meter, Progress
 from uvshear.shear.flux_bins import FLUX_BINS
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.population import Population
@@ -174,16 +174,17 @@ def calibrate(
     about: Sequence[complex] = [0j] * len(experiment.shears)
     # Without a shear the estimate is next to none: that is where it is expanded.
     pilot = min(PILOT, galaxies) if estimator.is_expanded and any(experiment.shears) else 0
-    tick = _counted(galaxies + PILOT_ROUNDS * pilot, progress)
+    meter = Meter(progress)
+    meter.expect(galaxies + PILOT_ROUNDS * pilot)
     if estimator.is_learning:
         # Without shear, each once, as a survey has them; not those that are measured.
         every = looks(replace(experiment, shears=(0j,)), [0j], galaxies, PUPILS)
         estimator = estimator.learned([seen for _, _, seen in islice(every, 0, None, len(TURNED))])
     for _ in range(PILOT_ROUNDS if pilot else 0):
-        sums = _run(experiment, estimator, about, pilot, threads, tick)
+        sums = _run(experiment, estimator, about, pilot, threads, meter)
         found = shears_of(sum(one.values.sum(axis=0) for one in sums), about)
         about = [complex(*pair) for pair in found]
-    blocks = _run(experiment, estimator, about, galaxies, threads, tick)
+    blocks = _run(experiment, estimator, about, galaxies, threads, meter)
     values = np.array([block.values for block in blocks])
     count = np.array([block.count for block in blocks]).sum(axis=0)
     shears = experiment.shears
@@ -202,7 +203,7 @@ def _run(
     about: Sequence[complex],
     galaxies: int,
     threads: int,
-    tick: Callable[[int], None],
+    meter: Meter,
 ) -> list[Sums]:
     tasks = [(first, min(BLOCK, galaxies - first)) for first in range(0, galaxies, BLOCK)]
     done: list[Sums] = []
@@ -210,21 +211,8 @@ def _run(
         tasks, _in_processes((experiment, estimator, about), tasks, threads), strict=True
     ):
         done.append(sums)
-        tick(number)
+        meter.add(number)
     return done
-
-
-def _counted(total: int, progress: Progress | None) -> Callable[[int], None]:
-    """Count galaxies for the progress, those of the first guesses too."""
-    done = 0
-
-    def tick(number: int) -> None:
-        nonlocal done
-        done += number
-        if progress is not None:
-            progress(done, total)
-
-    return tick
 
 
 _Setting = tuple[Experiment, Estimator, Sequence[complex]]

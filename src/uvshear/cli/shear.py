@@ -11,15 +11,14 @@ import typer
 from uvshear import __version__
 from uvshear.cli.options import Overwrite, Seed, non_negative
 from uvshear.cli.priors import METAVAR, PAPER, Prior
-from uvshear.cli.terminal import say
+from uvshear.cli.terminal import progress_bar, say
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from astropy.table import Table
 
-    from uvshear.shear.estimator import ShearEstimator
+    from uvshear.io.population import PopulationRecord
+    from uvshear.shear.estimator import BayesianShear, ShearEstimator
     from uvshear.shear.mean import ShearEstimate
     from uvshear.typing import Array, Bool
 
@@ -73,9 +72,11 @@ def shear(
     from uvshear.constants import MICROJANSKY
     from uvshear.io.calibration import read_calibration
     from uvshear.io.outputs import check_file, write_json
+    from uvshear.io.population import population_record
     from uvshear.io.shapes import inside, read_shapes
     from uvshear.pipeline import selected
-    from uvshear.shear.estimator import by_flux
+    from uvshear.progress import Meter
+    from uvshear.shear.estimator import BayesianShear, by_flux
 
     if output is not None:
         inputs = [shapes, Path(prior), *([] if calibration is None else [calibration])]
@@ -99,9 +100,18 @@ def shear(
                 raise InputError(f"{calibration}: is of {name} {its}, the shear of {own}")
     table = read_shapes(shapes)
     chosen = selected(table, snr_min=snr_min, flux_min=flux_min)
-    method, population = _with_population(_method(estimator, shapes, table, seed), assumed, chosen)
-    total = method.of(chosen)
-    bins = by_flux(method, inside(table, "flux"), chosen) if "flux" in table.colnames else {}
+    method = _method(estimator, shapes, table, seed)
+    population: PopulationRecord = {}
+    with progress_bar("estimating the shear") as progress:
+        if isinstance(method, BayesianShear):
+            method = replace(method, population=assumed.population, meter=Meter(progress))
+            population = population_record(assumed.population)
+            if assumed.is_fitted:
+                method, population = _fitted(method, chosen)
+        total = method.of(chosen)
+        bins = by_flux(method, inside(table, "flux"), chosen) if "flux" in table.colnames else {}
+    if assumed.is_fitted:
+        say(describe_population(population))
     if bias is not None:
         total, bins = bias.applied(total), bias.applied_by_flux(bins)
     say(describe_shear(total))
@@ -111,7 +121,7 @@ def shear(
         record = asdict(total) | {
             "version": __version__,
             "calibration": None if calibration is None else str(calibration),
-            **population,
+            **({"prior": assumed.source, "population": population} if population else {}),
             "bins": [{"flux": name, **asdict(one)} for name, one in bins.items()],
         }
         write_json(output, record, overwrite=overwrite)
@@ -135,25 +145,17 @@ def _method(name: EstimatorName, shapes: Path, table: "Table", seed: int) -> "Sh
     return mean_shear(table, seed)
 
 
-def _with_population(
-    method: "ShearEstimator", prior: Prior, chosen: "Bool[Array, ' source']"
-) -> tuple["ShearEstimator", dict[str, object]]:
-    """Give a Bayesian estimator its population, fitted to the chosen if it is to be; and what a file says of it."""
-    from uvshear.io.population import fitted_record, population_record
-    from uvshear.shear.estimator import BayesianShear
+def _fitted(
+    method: "BayesianShear", chosen: "Bool[Array, ' source']"
+) -> tuple["BayesianShear", "PopulationRecord"]:
+    """Give the estimator the population that the chosen galaxies have; and what a file says of it."""
+    from uvshear.io.population import fitted_record
 
-    if not isinstance(method, BayesianShear):
-        return method, {}
-    method = replace(method, population=prior.population)
-    record = population_record(prior.population)
-    if prior.is_fitted:
-        found = method.fit_population(chosen)
-        method, record = replace(method, population=found.population), fitted_record(found)
-        say(describe_population(record))
-    return method, {"prior": prior.source, "population": record}
+    found = method.fit_population(chosen)
+    return replace(method, population=found.population), fitted_record(found)
 
 
-def describe_population(record: "Mapping[str, Mapping[str, float]]") -> str:
+def describe_population(record: "PopulationRecord") -> str:
     """One line for the terminal, of what was fitted."""
     parts = [
         f"{part} {name} = {value:.3f} +- {values[f'{name}_err']:.3f}"

@@ -1,13 +1,12 @@
 """What the user sees: tables and a progress bar, the bar on a terminal only."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
 import typer
 
-Progress = Callable[[int, int], None]
-"""Called with what is done and what there is."""
+from uvshear.progress import Progress
 
 
 @contextmanager

@@ -13,6 +13,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeAlias
 
 from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
@@ -30,14 +31,17 @@ _FIELDS = {
 
 _ERROR = "_err"
 
+PopulationRecord: TypeAlias = dict[str, dict[str, float]]
+"""Parameters by part and name, as the file has them."""
+
 
 def _unit(name: str) -> float:
     return MICROJANSKY if name.endswith("_ujy") else 1.0
 
 
-def population_record(population: UnlensedPopulation) -> dict[str, dict[str, float]]:
+def population_record(population: UnlensedPopulation) -> PopulationRecord:
     """Numbers of a population for a file; ellipticities of another kind than the paper's are left out."""
-    record = {}
+    record: PopulationRecord = {}
     for part, fields in _FIELDS.items():
         one = getattr(population, part)
         if part != "ellipticity" or isinstance(one, DiscEllipticityPrior):
@@ -45,7 +49,7 @@ def population_record(population: UnlensedPopulation) -> dict[str, dict[str, flo
     return record
 
 
-def fitted_record(found: FittedPopulation) -> dict[str, dict[str, float]]:
+def fitted_record(found: FittedPopulation) -> PopulationRecord:
     """Numbers of a fitted population, with the errors of what was fitted."""
     record = population_record(found.population)
     errors = [math.sqrt(value) for value in found.covariance.diagonal()]

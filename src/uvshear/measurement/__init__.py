@@ -6,7 +6,7 @@ Miller 2018) over the ``sweep``.
 """
 
 from uvshear.measurement.converged import ConvergedExtraction
-from uvshear.measurement.extraction import Extracted, Extraction, Progress
+from uvshear.measurement.extraction import Extracted, Extraction
 from uvshear.measurement.field import Field
 from uvshear.measurement.options import MeasurementOptions
 from uvshear.measurement.paper import PaperExtraction
@@ -18,5 +18,4 @@ __all__ = [
     "Field",
     "MeasurementOptions",
     "PaperExtraction",
-    "Progress",
 ]

@@ -41,14 +41,14 @@ from uvshear.imaging.bands import OVERSAMPLING
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.baselines import Baselines
-from uvshear.measurement.extraction import Extracted, Extraction, Progress
+from uvshear.measurement.extraction import Extracted, Extraction
 from uvshear.measurement.field import Field
 from uvshear.measurement.keep import Kept
-from uvshear.measurement.meter import Meter
 from uvshear.measurement.settlement import Settlement
 from uvshear.measurement.sky import with_fitted
 from uvshear.measurement.source import GalaxySource, ModelledSource, PointSource
 from uvshear.predict.response import Response
+from uvshear.progress import Meter, Progress
 from uvshear.typing import Array
 
 if TYPE_CHECKING:  # the options hold an extraction

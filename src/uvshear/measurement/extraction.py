@@ -2,7 +2,7 @@
 
 import dataclasses
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -11,13 +11,11 @@ from uvshear.fit.measurement import ShapeMeasurement
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.visibilities import Observation
 from uvshear.measurement.field import Field
+from uvshear.progress import Progress
 from uvshear.typing import Array
 
 if TYPE_CHECKING:  # the options hold an extraction
     from uvshear.measurement.options import MeasurementOptions
-
-Progress = Callable[[int, int], None]
-"""Called with what is done and what there is; there may turn out to be more."""
 
 
 @dataclass(frozen=True)

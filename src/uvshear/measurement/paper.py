@@ -18,9 +18,10 @@ from uvshear.extraction.cell_average import CellAverageFacets, PaperTable
 from uvshear.extraction.facets import FacetMethod
 from uvshear.fit.measurement import FitFlag
 from uvshear.interferometer.visibilities import Observation
-from uvshear.measurement.extraction import Extracted, Extraction, Progress
+from uvshear.measurement.extraction import Extracted, Extraction
 from uvshear.measurement.field import Field
 from uvshear.measurement.sweep import Sweep
+from uvshear.progress import Progress
 
 if TYPE_CHECKING:  # the options hold an extraction
     from uvshear.measurement.options import MeasurementOptions

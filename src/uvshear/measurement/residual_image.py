@@ -3,9 +3,10 @@
 from uvshear.extraction.residual import Gridding, block_of
 from uvshear.extraction.residual_image import DirtyAndResidual, residual_image
 from uvshear.interferometer.visibilities import Observation
-from uvshear.measurement.extraction import Extracted, Progress
+from uvshear.measurement.extraction import Extracted
 from uvshear.measurement.field import Field
 from uvshear.measurement.options import MeasurementOptions
+from uvshear.progress import Progress
 
 
 def image_residual(

@@ -15,9 +15,9 @@ from uvshear.fit.shape import fit_galaxy, measure_shape
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Observation
-from uvshear.measurement.extraction import Progress
 from uvshear.measurement.field import Field
 from uvshear.measurement.sky import with_fitted
+from uvshear.progress import Progress
 from uvshear.typing import Array, Float, Int
 
 if TYPE_CHECKING:  # the options hold an extraction

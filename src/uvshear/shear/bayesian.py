@@ -22,6 +22,7 @@ likelihood is a quintic spline, of its integrals over ln alpha and S.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -100,13 +101,42 @@ class ShapeLikelihood:
 
 
 def log_evidence(
-    likelihood: ShapeLikelihood, population: UnlensedPopulation, about: complex
-) -> float:
-    """Ln P(D|g) of one galaxy at the shear ``about``, up to a constant that no population changes."""
-    surface = _Surface(likelihood, population, about, has_derivatives=False)
+    likelihood: ShapeLikelihood,
+    population: UnlensedPopulation,
+    about: complex,
+    sides: Sequence[tuple[EllipticityPrior, EllipticityPrior]] = (),
+    difference: float = 1.0,
+) -> tuple[float, Float[Array, " parameter"]]:
+    r"""Ln P(D|g) of one galaxy at the shear ``about``, up to a constant that no population changes; and its gradient.
+
+    Of the lognormal sizes t = (ln alpha_s - mu)/sigma, so that the derivatives by mu and ln sigma are the averages of
+    t/sigma and t^2 - 1 over the galaxy's posterior: those by ln alpha, which a shear needs, give both.
+
+    Parameters
+    ----------
+    sides
+        Ellipticity priors on either side of the population's, up to the same maximum: one pair a parameter of theirs.
+    difference
+        Between the parameters of a pair.
+
+    Returns
+    -------
+    log_evidence
+        -inf where the population has no such galaxy.
+    gradient
+        By the ln of the median size, the ln of its scatter, and the parameters of ``sides``; zeros where there is none.
+    """
+    surface = _Surface(likelihood, population, about)
     unlensed, weight = _nodes(population.ellipticity, surface, about)
-    evidence = float(weight @ surface.at(unlensed, about))
-    return math.log(evidence) if evidence > 0 else -math.inf
+    value, slope, bend = surface.parts(unlensed, about)
+    evidence = float(weight @ value)
+    if _rings(weight * value) or not evidence > 0:
+        return -math.inf, np.zeros(2 + len(sides))
+    gradient = [-weight @ slope, population.size.sigma**2 * (weight @ bend)]
+    for up, down in sides:
+        change = _nodes(up, surface, about)[1] - _nodes(down, surface, about)[1]
+        gradient.append(change @ value / difference)
+    return math.log(evidence), np.array(gradient) / evidence
 
 
 def gradient_and_curvature(
@@ -115,8 +145,7 @@ def gradient_and_curvature(
     """Work out q and h of one galaxy at the shear ``about``; both zero where the population has no such galaxy."""
     surface = _Surface(likelihood, population, about)
     unlensed, weight = _nodes(population.ellipticity, surface, about)
-    parts = weight * surface.at(unlensed, about)
-    if -parts[parts < 0].sum() > RINGING * parts.sum():
+    if _rings(weight * surface.at(unlensed, about)):
         return np.zeros(2), np.zeros((2, 2))
     step = min(STEP * surface.sigma, WIDEST_STEP)
     offsets = step * np.array([0, 1, -1, 1j, -1j, 1 + 1j, -1 - 1j, 1 - 1j, -1 + 1j])
@@ -135,16 +164,16 @@ def gradient_and_curvature(
     return q, np.outer(q, q) - second
 
 
+def _rings(parts: Float[Array, " node"]) -> bool:
+    """Whether so much of the evidence is negative that it is the spline's own."""
+    return bool(-parts[parts < 0].sum() > RINGING * parts.sum())
+
+
 class _Surface:
     """Likelihood times the prior of the size, both integrated over size and flux, as a function of e and g."""
 
     def __init__(
-        self,
-        likelihood: ShapeLikelihood,
-        population: UnlensedPopulation,
-        about: complex,
-        *,
-        has_derivatives: bool = True,
+        self, likelihood: ShapeLikelihood, population: UnlensedPopulation, about: complex
     ) -> None:
         e, weight = (
             likelihood.ellipticity,
@@ -159,13 +188,12 @@ class _Surface:
         count = int(np.prod(shape))
         seen = np.bincount(flat, minlength=count).reshape(shape) > 0
         _, nearest = distance_transform_edt(~seen, return_indices=True)
-        # Derivatives by the size are for other shears than this.
         self._splines = [
             spline_filter(
                 np.bincount(flat, weight * one, minlength=count).reshape(shape)[tuple(nearest)],
                 _ORDER,
             )
-            for one in (sizes if has_derivatives else sizes[:1])
+            for one in sizes
         ]
         # The last axis has no part in e.
         self._to_column = np.linalg.inv(likelihood.axes[:2, :2])
@@ -179,17 +207,21 @@ class _Surface:
 
     def at(self, unlensed: Complex[Array, " node"], g: complex) -> Float[Array, " node"]:
         """Evaluate where the shear takes galaxies of these ellipticities."""
-        e = (unlensed + g) / (1 + np.conj(g) * unlensed)
+        value, slope, bend = self.parts(unlensed, g)
+        e = _lensed(unlensed, g)
+        further = _log_stretch(e, g) - _log_stretch(e, self._about)
+        return value + further * slope + 0.5 * further**2 * bend
+
+    def parts(
+        self, unlensed: Complex[Array, " node"], g: complex
+    ) -> tuple[Float[Array, " node"], ...]:
+        """Evaluate there with the sizes of the shear that it is about, and the derivatives by ln alpha."""
+        e = _lensed(unlensed, g)
         place = self._to_column @ (np.stack([e.real, e.imag]) - self._first[:, None])
-        value, *by_size = (
+        return tuple(
             map_coordinates(one, place, order=_ORDER, prefilter=False, mode="nearest")
             for one in self._splines
         )
-        if not by_size:
-            return value
-        slope, bend = by_size
-        further = _log_stretch(e, g) - _log_stretch(e, self._about)
-        return value + further * slope + 0.5 * further**2 * bend
 
 
 def _nodes(
@@ -205,6 +237,10 @@ def _nodes(
     angle = np.angle(centre) + half * _ANGLES
     nodes = radius[:, None] * np.exp(1j * angle)
     return nodes.ravel(), np.outer(radial, half * _ANGULAR / (2 * np.pi)).ravel()
+
+
+def _lensed(unlensed: Complex[Array, " node"], g: complex) -> Complex[Array, " node"]:
+    return (unlensed + g) / (1 + np.conj(g) * unlensed)
 
 
 def _log_stretch(e: Complex[Array, " node"], g: complex) -> Float[Array, " node"]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from uvshear.errors import InputError
+from uvshear.progress import Meter
 from uvshear.shear.bayesian import (
     ShapeLikelihood,
     UnlensedPopulation,
@@ -111,10 +112,11 @@ class MetacalShear(ShearEstimator):
 
 @dataclass(frozen=True)
 class BayesianShear(ShearEstimator):
-    """Likelihoods behind the shear of a population; None where a galaxy has none."""
+    """Likelihoods behind the shear of a population; None where a galaxy has none. The meter counts looks at them."""
 
     likelihoods: Sequence[ShapeLikelihood | None]
     population: UnlensedPopulation = field(default_factory=UnlensedPopulation)
+    meter: Meter = field(default_factory=lambda: Meter(None))
 
     @property
     def usable(self) -> Bool[Array, " source"]:
@@ -125,7 +127,7 @@ class BayesianShear(ShearEstimator):
         """Fit the population to the chosen galaxies, about their shear."""
         estimate = self.of(chosen)
         about = complex(estimate.g1, estimate.g2)
-        return fit_population(self._chosen(chosen), self.population, about)
+        return fit_population(self._chosen(chosen), self.population, about, self.meter)
 
     def _chosen(self, chosen: Bool[Array, " source"]) -> list[ShapeLikelihood]:
         pairs = zip(self.likelihoods, chosen.tolist(), strict=True)
@@ -134,10 +136,11 @@ class BayesianShear(ShearEstimator):
     def of(self, chosen: Bool[Array, " source"]) -> ShearEstimate:
         """Shear at which the chosen galaxies are most probable."""
         used = self._chosen(chosen)
+        self.meter.expect(ROUNDS * len(used))
         return _expanded(lambda about: self._step(used, about))
 
     def _step(self, used: Sequence[ShapeLikelihood], about: complex) -> ShearEstimate:
-        terms = [gradient_and_curvature(one, self.population, about) for one in used]
+        terms = [self._term(one, about) for one in used]
         # Those that the population does not have say nothing.
         telling = [(q, h) for q, h in terms if h.any()]
         if len(telling) < LEAST:
@@ -147,6 +150,13 @@ class BayesianShear(ShearEstimator):
             )
         value, response = (np.array(part) for part in zip(*telling, strict=True))
         return Responses(value, response, about).shear("bayesian")
+
+    def _term(
+        self, one: ShapeLikelihood, about: complex
+    ) -> tuple[Float[Array, " 2"], Float[Array, "2 2"]]:
+        found = gradient_and_curvature(one, self.population, about)
+        self.meter.add()
+        return found
 
 
 def _expanded(step: Callable[[complex], ShearEstimate]) -> ShearEstimate:

@@ -1,10 +1,13 @@
-"""How much of a measurement is done."""
+"""How much of a long work is done."""
 
-from uvshear.measurement.extraction import Progress
+from collections.abc import Callable
+
+Progress = Callable[[int, int], None]
+"""Called with what is done and what there is; there may turn out to be more."""
 
 
 class Meter:
-    """Work done and work foreseen, in nanoseconds or so."""
+    """Work done and work foreseen, in whatever unit: galaxies, or nanoseconds."""
 
     def __init__(self, progress: Progress | None) -> None:
         self._progress = progress
@@ -19,8 +22,8 @@ class Meter:
         self._total = self._done
         self.add(0.0)
 
-    def add(self, work: float) -> None:
+    def add(self, work: float = 1.0) -> None:
         """Tell of work done."""
         self._done += work
         if self._progress is not None:
-            self._progress(round(self._done / 1e6), round(max(self._total, self._done) / 1e6))
+            self._progress(round(self._done), round(max(self._total, self._done)))
