@@ -12,14 +12,17 @@ from pathlib import Path
 
 import numpy as np
 
-ALIKE = ("estimator", "shear", "orientations", "profile", "prior", "snr_min", "declination_deg")
+OF_A_RUN = {"n", "failed", "bins", "galaxies", "seed", "flux_min_ujy", "flux_max_ujy", "version"}
 
 
 def main() -> None:
     """Print the bins and all of them together."""
     records = [json.loads(Path(name).read_text(encoding="utf-8")) for name in sys.argv[1:]]
-    if any(one[name] != records[0][name] for one in records for name in ALIKE):
-        sys.exit(f"the files differ in one of {', '.join(ALIKE)}")
+    for name in set(records[0]) - OF_A_RUN - set(records[0]["bins"][0]):
+        if any(one.get(name) != records[0][name] for one in records):
+            sys.exit(f"the files differ in {name}")
+    if "m1" not in records[0]:
+        sys.exit("the files are of no shear, which has no m")
     bins = [one | {"galaxies": record["galaxies"]} for record in records for one in record["bins"]]
     names = [one["flux"] for one in bins]
     if len(set(names)) < len(names):

@@ -33,7 +33,9 @@ def main() -> None:
 
 
 def weighed(value: Column, error: Column) -> tuple[float, float]:
-    """Mean, and its error."""
+    """Mean, and its error; NaN of what a run did not have, as m without a shear."""
+    if np.ma.is_masked(error):
+        return np.nan, np.nan
     weight = np.asarray(error, float) ** -2
     return float(np.average(value, weights=weight)), float(weight.sum() ** -0.5)
 

@@ -3,8 +3,9 @@
     python benchmarks/leakage.py --estimator mean --galaxies 1000 --table leakage.ecsv
     python benchmarks/leakage.py --estimator bayesian --galaxies 4500 --zenith-deg 60 --size-arcsec
 
-SKA-Mid AA4, 8 h, no limit of the elevation. Each galaxy is seen twice: as drawn, and turned by a right angle with its
-noise, so that only what the beam's own direction does is left. ``leakage_figure.py`` draws the table.
+SKA-Mid AA4, 8 h, no limit of the elevation. Each galaxy is seen eight times: with e and -e, noise and its
+opposite, and all of it turned by a right angle, so that only what the beam's own direction does is left.
+``joined_seeds.py`` joins the seeds of a table, ``leakage_figure.py`` draws that.
 """
 
 import argparse

@@ -115,6 +115,37 @@ def test_the_bayesian_estimate_of_bright_galaxies_is_the_shear(bright):
     assert np.all(np.abs(got.c) < 0.02)
 
 
+def test_a_first_guess_of_few_galaxies_is_kept_within_reach(experiment):
+    """Without that a shear of 2 was expanded about, where there is none."""
+    seen_about = []
+
+    class Wild(Estimator):
+        is_expanded = True
+
+        def term(self, seen):
+            seen_about.append(seen.about)
+            return np.array([2.0, -1.0]), np.eye(2)
+
+    calibrate(replace(experiment, has_rings=False), Wild(), 100)
+    assert max(abs(one) for one in seen_about) == pytest.approx(0.3)
+
+
+def test_a_narrow_cut_leaves_enough_galaxies_for_a_first_guess(experiment):
+    counted = {}
+
+    class Counting(Estimator):
+        is_expanded = True
+
+        def term(self, seen):
+            counted[seen.about] = counted.get(seen.about, 0) + 1
+            return np.array([0.01, 0.0]), np.eye(2)
+
+    narrow = replace(experiment, flux_min=150e-6, has_rings=False, shears=SHEARS)
+    calibrate(narrow, Counting(), 5000)
+    # behind both shears, with both signs of the noise
+    assert counted[0j] / 4 > 80
+
+
 def test_the_papers_shear_moves_no_sizes_and_shows_it(bright, moments):
     """A lens that leaves alpha is none: the response of moments to it is less by a tenth or so."""
     legacy = replace(bright, lens=shear_at_fixed_scale_length)
@@ -164,8 +195,8 @@ def test_metacal_finds_the_response_that_an_estimator_has_wrong(experiment, mome
     assert np.all(np.abs(mended.m) < 8e-3)
 
 
-def test_metacal_takes_out_the_noise_bias_of_the_mean(bright):
-    """Of galaxies that have an SNR of 20 to 40 behind the round beam; what is left there of the mean alone is 0.9."""
+def test_metacal_of_the_mean_of_bright_galaxies_finds_the_shear(bright):
+    """A response of a wrong sign, or off by a fifth, is seen; the noise bias of faint ones takes thousands of them."""
     strong = replace(bright, shears=(0.1 + 0j, -0.1 + 0j), has_rings=False)
     about = (0j, 0j)
     values = sums_of(strong, MetacalEstimator(MeanEstimator()), about, 0, 30).values.sum(axis=0)

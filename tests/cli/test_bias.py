@@ -104,6 +104,23 @@ def test_cuts_that_leave_nothing_are_told(
     assert not output.exists()
 
 
+def test_a_population_is_not_overwritten(uvshear: Callable, tmp_path: Path) -> None:
+    path = tmp_path / "population.json"
+    path.write_text("{}")
+    words = ("--prior", path, "-o", path, "--overwrite")
+    outcome = uvshear("bias", "--estimator", "bayesian", *QUICK, *words)
+    assert outcome.status == 2
+    assert "is an input too" in outcome.err
+    assert path.read_text() == "{}"
+
+
+def test_nothing_to_learn_a_population_from_is_told(uvshear: Callable, tmp_path: Path) -> None:
+    words = ("--prior", "fitted", "--flux-min-ujy", "300", "-o", tmp_path / "bias.json")
+    outcome = uvshear("bias", "--estimator", "bayesian", *QUICK, *words)
+    assert outcome.status == 2
+    assert "0 galaxies: a population is fitted to 40 or more" in outcome.err
+
+
 def test_the_papers_facets_round_galaxies(uvshear: Callable, tmp_path: Path) -> None:
     """Bright ones, which noise does not bias: what is lost is lost by averaging in cells."""
     words = ("--flux-min-ujy", "100", "--snr-at", "10", "100", "--no-rings", "--legacy-shear")

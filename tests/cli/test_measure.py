@@ -13,7 +13,8 @@ from casacore import tables
 
 from tests.io.measurement_sets import real_set
 from uvshear import __version__, pipeline
-from uvshear.cli.extractions import ExtractionName, FacetName, extraction_of
+from uvshear.cli.extractions import ExtractionName, extraction_of
+from uvshear.cli.names import FacetName
 from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
 from uvshear.extraction.exact import ExactFacets
 from uvshear.io.shapes import COLUMNS, read_shapes

@@ -1,5 +1,6 @@
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import astropy.units as u
@@ -13,9 +14,14 @@ from uvshear import __version__
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.geometry.ellipticity import add_shear
 from uvshear.io.shapes import COLUMNS, DERIVED, shapes_table, write_shapes
-from uvshear.io.statistics import statistics_path, statistics_table, write_statistics
+from uvshear.io.statistics import (
+    read_statistics,
+    statistics_path,
+    statistics_table,
+    write_statistics,
+)
 from uvshear.measurement.metacal import MetacalStatistic
-from uvshear.shear.packing import PACKED, pack
+from uvshear.shear.packing import PACKED, pack, unpack
 
 
 @pytest.fixture
@@ -239,6 +245,93 @@ def test_a_calibration_is_applied(uvshear: Callable, tmp_path: Path, shapes: Pat
     assert calibrated["calibration"] == str(bias)
 
 
+def test_the_papers_facets_have_a_calibration_of_their_own(
+    uvshear: Callable, tmp_path: Path, shapes: Path
+) -> None:
+    table = Table.read(shapes)
+    table.meta["extract"] = json.dumps({"extraction": "paper", "averages_cells": True})
+    table.write(shapes, overwrite=True)
+    bias = _calibration(tmp_path / "bias.json", facet="cell-average")
+    assert uvshear("shear", shapes, "--calibration", bias).status == 0
+    outcome = uvshear("shear", shapes, "--calibration", _calibration(tmp_path / "exact.json"))
+    assert outcome.status == 2
+    assert "is of --facet exact, the shear of cell-average" in outcome.err
+
+
+def test_a_cut_that_is_only_nearly_the_biass_is_told(
+    uvshear: Callable, tmp_path: Path, shapes: Path
+) -> None:
+    for selection, lines in (("catalogue", 1), ("measured", 0)):
+        bias = _calibration(tmp_path / "bias.json", snr_min=20.0, selection=selection)
+        outcome = uvshear("shear", shapes, "--snr-min", "20", "--calibration", bias)
+        assert outcome.status == 0
+        assert len(outcome.err.splitlines()) == lines
+        assert ("cut by their catalogue's flux" in outcome.err) == bool(lines)
+
+
+def test_a_bias_of_another_population_is_refused(
+    uvshear: Callable, tmp_path: Path, likely: Path
+) -> None:
+    own = tmp_path / "own.json"
+    own.write_text('{"size": {"sigma": 0.35}}')
+    words = ("--estimator", "bayesian", "--prior", own, "--calibration")
+    for sigma, status in ((0.35, 0), (0.4, 2)):
+        population = {"size": {"sigma": sigma}}
+        bias = _calibration(
+            tmp_path / "bias.json", estimator="bayesian", prior="file", population=population
+        )
+        outcome = uvshear("shear", likely, *words, bias)
+        assert outcome.status == status, outcome.err
+    assert "is of a population with size sigma 0.4, the shear of 0.35" in outcome.err
+
+
+def test_a_bin_that_the_population_does_not_have_is_left_out(
+    uvshear: Callable, tmp_path: Path, likely: Path
+) -> None:
+    """Likelihoods are of galaxies of 20 uJy; the catalogue says 10 to 20 of some."""
+    table = Table.read(likely)
+    table["flux"] = np.where(np.arange(200) < 100, 15.0, 30.0) * u.uJy
+    table.write(likely, overwrite=True)
+    kept = read_statistics(likely, table, PACKED, "likelihood")
+    bright = {
+        k: unpack(dict(zip(PACKED, kept[k][list(PACKED)], strict=True))) for k in range(100, 180)
+    }
+    bright = {k: replace(one, flux=3 * one.flux) for k, one in bright.items()}
+    faint = pack(Toy(0.1 + 0j, 0.06, size=0.0).on_lattice())
+    both = dict.fromkeys(range(50), faint) | {k: pack(one) for k, one in bright.items()}
+    path = statistics_path(likely)
+    write_statistics(path, statistics_table(np.arange(200), PACKED, both), overwrite=True)
+    population = tmp_path / "population.json"
+    population.write_text('{"flux": {"minimum_ujy": 40}}')
+    output = tmp_path / "shear.json"
+    words = ("--estimator", "bayesian", "--prior", population, "-o", output)
+    outcome = uvshear("shear", likely, *words)
+    assert outcome.status == 0, outcome.err
+    found = json.loads(output.read_text())
+    assert [one["flux"] for one in found["bins"]] == ["20-50 uJy"]
+    assert found["n"] == found["bins"][0]["n"] == 80
+
+
+@pytest.mark.parametrize(
+    ("column", "words"),
+    [
+        ("flux", ("--flux-min-ujy", "20")),
+        ("flux", ("--estimator", "moments")),
+        ("id", ("--estimator", "moments")),
+    ],
+)
+def test_a_column_that_is_needed_is_named(
+    uvshear: Callable, kept: Path, column: str, words: tuple[str, ...]
+) -> None:
+    table = Table.read(kept)
+    table.remove_column(column)
+    table.write(kept, overwrite=True)
+    outcome = uvshear("shear", kept, *words)
+    assert outcome.status == 2
+    assert f"has no column '{column}'" in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -246,7 +339,8 @@ def test_a_calibration_is_applied(uvshear: Callable, tmp_path: Path, shapes: Pat
         ({"snr_min": 10.0}, "is of --snr-min 10, the shear of 0"),
         ({"flux_min_ujy": 25.0}, "is of --flux-min-ujy 25, the shear of 0"),
         ({"prior": "fitted"}, "is of --prior fitted, the shear of paper"),
-        ({"facet": "cell-average"}, "is of facet cell-average"),
+        ({"facet": "cell-average"}, "is of --facet cell-average, the shear of exact"),
+        ({"position_error_arcsec": 0.5}, "is of position error arcsec 0.5"),
         ({"legacy_shear": True}, "is of legacy shear True"),
         ({"wraps": "moments"}, "is of wraps moments"),
         ({"m2": -1.5}, "m is -1 or less"),

@@ -155,8 +155,9 @@ def test_the_table_tells_how_sources_were_told_apart(scene):
     observation, catalogue, _ = scene
     table = measure(observation, catalogue, with_extraction(PaperExtraction(rounds=2)))
     assert json.loads(table.meta["extract"]) == {
-        "method": "paper",
+        "extraction": "paper",
         "facet": "CellAverageFacets",
+        "averages_cells": True,
         "rounds": 2,
         "visits": 4,
         "fitted_again": 0,

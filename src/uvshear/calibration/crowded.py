@@ -23,6 +23,7 @@ from uvshear.measurement.metacal import MetacalStatistic
 from uvshear.predict import predict_visibilities
 from uvshear.progress import Progress
 from uvshear.shear.bayesian import UnlensedPopulation, gradient_and_curvature
+from uvshear.shear.estimator import within_reach
 from uvshear.shear.flux_bins import FLUX_BINS
 from uvshear.shear.packing import unpack
 from uvshear.simulation.lensing import shear_galaxies
@@ -211,7 +212,7 @@ def _calibrated(
         )
         good = np.isfinite(terms).all(axis=(0, 1, 3)) & experiment.used
         sums = terms[:, :, good].sum(axis=(1, 2))
-        expanded_about, about = about, [complex(*g) for g in shears_of(sums, about)]
+        expanded_about, about = about, [within_reach(complex(*g)) for g in shears_of(sums, about)]
     return _by_flux(experiment, terms.sum(axis=1), good, expanded_about)
 
 

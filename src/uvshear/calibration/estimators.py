@@ -183,10 +183,10 @@ class BayesianEstimator(Estimator):
         self._statistic = LikelihoodStatistic(profile, self._population.ellipticity)
 
     def learned(self, sample: Sequence[Seen]) -> "BayesianEstimator":
-        """Fit the population."""
+        """Fit the population to galaxies that nothing has lensed."""
         found = [self._statistic.likelihood(s.facet, s.stage.cutout, s.prior) for s in sample]
         likelihoods = [one for one in found if one is not None]
-        fitted = fit_population(likelihoods, self._population, sample[0].about)
+        fitted = fit_population(likelihoods, self._population, 0j)
         return BayesianEstimator(self._profile, fitted.population)
 
     def term(self, seen: Seen) -> Term | None:

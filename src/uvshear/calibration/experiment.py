@@ -19,6 +19,7 @@ from uvshear.fit.measurement import GalaxyFit
 from uvshear.fit.prior import ShapePrior
 from uvshear.galaxy import Exponential, Galaxies, Profile, SizeFluxRelation
 from uvshear.progress import Meter, Progress
+from uvshear.shear.estimator import within_reach
 from uvshear.shear.flux_bins import FLUX_BINS
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.population import Population
@@ -27,8 +28,9 @@ from uvshear.typing import Array, Float
 BLOCK = 50
 """Galaxies to a task; their sums are a block of the jackknife."""
 
-PILOT, PILOT_ROUNDS = 500, 2
-"""Galaxies and rounds that an expanded estimator's first guess of the shear takes."""
+PILOT, FEWEST, PILOT_ROUNDS = 500, 100, 2
+"""Galaxies drawn, those of them that a cut by flux leaves at least, and rounds that an expanded estimator's first guess
+of the shear takes."""
 
 PUPILS = 1500
 """Galaxies that an estimator learns its population from."""
@@ -173,7 +175,8 @@ def calibrate(
     """Bias of an estimator in total and by flux; the same whatever the number of processes."""
     about: Sequence[complex] = [0j] * len(experiment.shears)
     # Without a shear the estimate is next to none: that is where it is expanded.
-    pilot = min(PILOT, galaxies) if estimator.is_expanded and any(experiment.shears) else 0
+    is_piloted = estimator.is_expanded and any(experiment.shears)
+    pilot = min(_pilot(experiment), galaxies) if is_piloted else 0
     meter = Meter(progress)
     meter.expect(galaxies + PILOT_ROUNDS * pilot)
     if estimator.is_learning:
@@ -183,7 +186,7 @@ def calibrate(
     for _ in range(PILOT_ROUNDS if pilot else 0):
         sums = _run(experiment, estimator, about, pilot, threads, meter)
         found = shears_of(sum(one.values.sum(axis=0) for one in sums), about)
-        about = [complex(*pair) for pair in found]
+        about = [within_reach(complex(*pair)) for pair in found]
     blocks = _run(experiment, estimator, about, galaxies, threads, meter)
     values = np.array([block.values for block in blocks])
     count = np.array([block.count for block in blocks]).sum(axis=0)
@@ -195,6 +198,13 @@ def calibrate(
     total, *bins = named
     told = [one for one in bins if is_told(one[1]).sum() >= LEAST_BLOCKS]
     return [fit_bias(name, shears, about, part, n, bad) for name, part, n, bad in (total, *told)]
+
+
+def _pilot(experiment: Experiment) -> int:
+    """How many galaxies are drawn for a first guess."""
+    flux = experiment.population.flux.draw(10_000, np.random.default_rng(experiment.seed))
+    passing = np.mean((flux >= experiment.flux_min) & (flux <= experiment.flux_max))
+    return max(PILOT, math.ceil(FEWEST / max(float(passing), 1e-3)))
 
 
 def _run(

@@ -11,8 +11,6 @@ import typer
 
 from uvshear import __version__
 from uvshear.cli.calibrated import (
-    CalibratedName,
-    FacetName,
     SelectionName,
     WrappedName,
     estimator_of,
@@ -21,6 +19,7 @@ from uvshear.cli.calibrated import (
     refuse_in_a_crowd,
     refuse_shear,
 )
+from uvshear.cli.names import EstimatorName, FacetName
 from uvshear.cli.options import (
     Overwrite,
     Pair,
@@ -52,7 +51,7 @@ def register(app: typer.Typer) -> None:
 
 
 def bias(
-    estimator: Annotated[CalibratedName, typer.Option(help="Of the shear.")],
+    estimator: Annotated[EstimatorName, typer.Option(help="Of the shear.")],
     galaxies: Annotated[
         int,
         typer.Option(
@@ -158,7 +157,7 @@ def bias(
     from uvshear.simulation.noise_level import GalaxyNoise
     from uvshear.trials import Survey, calibrate_crowded
 
-    check_file(output, overwrite=overwrite)
+    check_file(output, overwrite=overwrite, inputs=[Path(prior)])
     is_measured, is_averaged = selection is SelectionName.MEASURED, facet is FacetName.CELL_AVERAGE
     refuse_shear(shear, is_averaged=is_averaged)
     refuse_estimator(estimator, wraps, prior, is_measured=is_measured, is_averaged=is_averaged)
@@ -218,14 +217,20 @@ def bias(
         "profile": profile.value,
         "prior": assumed.source,
         "population": population_record(assumed.population) if assumed.source == FILE else None,
-        "wraps": (wraps or WrappedName.MEAN).value if estimator is CalibratedName.METACAL else None,
+        "wraps": (wraps or WrappedName.MEAN).value if estimator is EstimatorName.METACAL else None,
         "facet": facet.value,
         "density": density,
         "snr_min": snr_min,
         "selection": selection.value,
         "flux_min_ujy": flux_min_ujy,
         "flux_max_ujy": flux_max_ujy,
+        "position_error_arcsec": position_error_arcsec,
+        "layout": layout,
         "declination_deg": declination_deg,
+        "hours": hours,
+        "integration_s": integration_s,
+        "band_mhz": band_mhz,
+        "snr_at": snr_at,
         "seed": seed,
         "version": __version__,
         "bins": [{"flux": one.name, **one.record()} for one in biases[1:]],

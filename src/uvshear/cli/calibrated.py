@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+from uvshear.cli.names import EstimatorName
 from uvshear.cli.priors import PAPER, Prior
 from uvshear.errors import InputError
 
@@ -13,28 +14,12 @@ if TYPE_CHECKING:
     from uvshear.calibration.estimators import Estimator
 
 
-class CalibratedName(StrEnum):
-    """An estimator of the shear of isolated galaxies."""
-
-    MEAN = "mean"
-    MOMENTS = "moments"
-    BAYESIAN = "bayesian"
-    METACAL = "metacal"
-
-
 class WrappedName(StrEnum):
     """An estimator that metacalibration wraps."""
 
     MEAN = "mean"
     MOMENTS = "moments"
     BAYESIAN = "bayesian"
-
-
-class FacetName(StrEnum):
-    """How visibilities become facets."""
-
-    EXACT = "exact"
-    CELL_AVERAGE = "cell-average"
 
 
 class SelectionName(StrEnum):
@@ -53,7 +38,7 @@ def refuse_shear(shear: float, *, is_averaged: bool) -> None:
 
 
 def refuse_estimator(
-    estimator: CalibratedName,
+    estimator: EstimatorName,
     wraps: WrappedName | None,
     prior: str,
     *,
@@ -61,7 +46,7 @@ def refuse_estimator(
     is_averaged: bool,
 ) -> None:
     """Refuse options that the estimator would not heed."""
-    is_metacal = estimator is CalibratedName.METACAL
+    is_metacal = estimator is EstimatorName.METACAL
     if wraps is not None and not is_metacal:
         raise InputError(f"--wraps {wraps.value}: is for --estimator metacal")
     if is_metacal and is_measured:
@@ -70,9 +55,9 @@ def refuse_estimator(
             " the shapes; --selection catalogue is needed"
         )
     named = (wraps or WrappedName.MEAN).value if is_metacal else estimator.value
-    if prior != PAPER and named != CalibratedName.BAYESIAN.value:
+    if prior != PAPER and named != EstimatorName.BAYESIAN.value:
         raise InputError(f"--prior {prior}: {named} has no prior; bayesian has")
-    if is_averaged and estimator is not CalibratedName.MEAN:
+    if is_averaged and estimator is not EstimatorName.MEAN:
         raise InputError(f"--facet cell-average: is for the paper's mean, not {estimator.value}")
 
 
@@ -84,7 +69,7 @@ def refuse_in_a_crowd(given: Mapping[str, bool]) -> None:
 
 
 def estimator_of(
-    name: CalibratedName,
+    name: EstimatorName,
     wraps: WrappedName | None,
     prior: Prior,
     position_sigma: float,
@@ -100,20 +85,20 @@ def estimator_of(
     )
 
     kinds: dict[str, Callable[[], Estimator]] = {
-        CalibratedName.MEAN: MeanEstimator,
-        CalibratedName.MOMENTS: lambda: MomentEstimator(position_sigma),
-        CalibratedName.BAYESIAN: lambda: BayesianEstimator(
+        EstimatorName.MEAN: MeanEstimator,
+        EstimatorName.MOMENTS: lambda: MomentEstimator(position_sigma),
+        EstimatorName.BAYESIAN: lambda: BayesianEstimator(
             population=prior.population, is_learning=prior.is_fitted
         ),
     }
-    is_wrapped = name is CalibratedName.METACAL
+    is_wrapped = name is EstimatorName.METACAL
     if is_wrapped:
         return MetacalEstimator(kinds[(wraps or WrappedName.MEAN).value]())
     one = kinds[name.value]()
     return one if snr_min is None else SelectedEstimator(one, snr_min)
 
 
-def field_estimator_of(name: CalibratedName, prior: Prior, seed: int) -> "FieldEstimator":
+def field_estimator_of(name: EstimatorName, prior: Prior, seed: int) -> "FieldEstimator":
     """Return the estimator of a name for galaxies of a field."""
     from uvshear.calibration.crowded import (
         FieldBayesian,
@@ -122,10 +107,10 @@ def field_estimator_of(name: CalibratedName, prior: Prior, seed: int) -> "FieldE
         FieldMoments,
     )
 
-    kinds: dict[CalibratedName, Callable[[], FieldEstimator]] = {
-        CalibratedName.MEAN: FieldMean,
-        CalibratedName.MOMENTS: FieldMoments,
-        CalibratedName.BAYESIAN: lambda: FieldBayesian(prior.population),
-        CalibratedName.METACAL: lambda: FieldMetacal(seed),
+    kinds: dict[EstimatorName, Callable[[], FieldEstimator]] = {
+        EstimatorName.MEAN: FieldMean,
+        EstimatorName.MOMENTS: FieldMoments,
+        EstimatorName.BAYESIAN: lambda: FieldBayesian(prior.population),
+        EstimatorName.METACAL: lambda: FieldMetacal(seed),
     }
     return kinds[name]()

@@ -4,6 +4,7 @@
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+from uvshear.cli.names import FacetName
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,13 +18,6 @@ class ExtractionName(StrEnum):
 
     CONVERGED = "converged"
     PAPER = "paper"
-
-
-class FacetName(StrEnum):
-    """How a facet is made."""
-
-    EXACT = "exact"
-    CELL_AVERAGE = "cell-average"
 
 
 def extraction_of(

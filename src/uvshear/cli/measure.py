@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uvshear.cli.beams import BeamName, PrimaryBeamOption, pointed_beam
-from uvshear.cli.extractions import ExtractionName, FacetName, extraction_of, statistics_of
+from uvshear.cli.extractions import ExtractionName, extraction_of, statistics_of
+from uvshear.cli.names import FacetName
 from uvshear.cli.options import (
     Output,
     Overwrite,

@@ -2,13 +2,14 @@
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from dataclasses import asdict, replace
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from uvshear import __version__
+from uvshear.cli.corrections import ShearRun, refuse_another
+from uvshear.cli.names import EstimatorName
 from uvshear.cli.options import Overwrite, Seed, non_negative
 from uvshear.cli.priors import METAVAR, PAPER, Prior
 from uvshear.cli.terminal import progress_bar, say
@@ -23,15 +24,6 @@ if TYPE_CHECKING:
     from uvshear.typing import Array, Bool
 
 EPILOG = "Example: uvshear shear SHAPES.fits --snr-min 10 -o SHEAR.json"
-
-
-class EstimatorName(StrEnum):
-    """An estimator of the shear of a table of shapes."""
-
-    MEAN = "mean"
-    MOMENTS = "moments"
-    BAYESIAN = "bayesian"
-    METACAL = "metacal"
 
 
 def register(app: typer.Typer) -> None:
@@ -73,7 +65,7 @@ def shear(
     from uvshear.io.calibration import read_calibration
     from uvshear.io.outputs import check_file, write_json
     from uvshear.io.population import population_record
-    from uvshear.io.shapes import inside, read_shapes
+    from uvshear.io.shapes import averages_cells, inside, read_shapes
     from uvshear.pipeline import selected
     from uvshear.progress import Meter
     from uvshear.shear.estimator import BayesianShear, by_flux
@@ -87,18 +79,12 @@ def shear(
         )
     assumed = Prior.from_option(prior)
     flux_min = flux_min_ujy * MICROJANSKY
-    bias = None if calibration is None else read_calibration(calibration)
-    if bias is not None:
-        same = {
-            "the estimator": (bias.estimator, estimator.value),
-            "--snr-min": (f"{bias.snr_min:g}", f"{snr_min:g}"),
-            "--flux-min-ujy": (f"{bias.flux_min / MICROJANSKY:g}", f"{flux_min_ujy:g}"),
-            "--prior": (bias.prior, assumed.source),
-        }
-        for name, (its, own) in same.items():
-            if its != own:
-                raise InputError(f"{calibration}: is of {name} {its}, the shear of {own}")
     table = read_shapes(shapes)
+    bias = None
+    if calibration is not None:
+        bias = read_calibration(calibration)
+        own = ShearRun(estimator.value, snr_min, flux_min_ujy, assumed, averages_cells(table))
+        refuse_another(calibration, bias, own)
     chosen = selected(table, snr_min=snr_min, flux_min=flux_min)
     method = _method(estimator, shapes, table, seed)
     population: PopulationRecord = {}
@@ -135,13 +121,13 @@ def _method(name: EstimatorName, shapes: Path, table: "Table", seed: int) -> "Sh
     from uvshear.shear.packing import PACKED
 
     if name is EstimatorName.MOMENTS:
-        kept = read_statistics(shapes, table["id"], MomentStatistic.columns, "moments")
+        kept = read_statistics(shapes, table, MomentStatistic.columns, "moments")
         return moment_shear(table, kept)
     if name is EstimatorName.METACAL:
         columns = MetacalStatistic.columns
-        return metacal_shear(read_statistics(shapes, table["id"], columns, "metacal"))
+        return metacal_shear(read_statistics(shapes, table, columns, "metacal"))
     if name is EstimatorName.BAYESIAN:
-        return bayesian_shear(read_statistics(shapes, table["id"], PACKED, "likelihood"))
+        return bayesian_shear(read_statistics(shapes, table, PACKED, "likelihood"))
     return mean_shear(table, seed)
 
 

@@ -70,6 +70,8 @@ class PaperTable(CellRule):
 class CellAverageFacets(FacetMethod):
     """Visibilities averaged in cells out to the longest baseline."""
 
+    averages_cells = True
+
     rule: CellRule = field(default_factory=ScaleLengths)
 
     def open(

@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.interferometer.facet import Facet
@@ -70,6 +71,9 @@ class FacetBuilder(ABC):
 
 class FacetMethod(ABC):
     """A way of making facets."""
+
+    averages_cells: ClassVar[bool] = False
+    """Whether visibilities are averaged in cells, which rounds galaxies."""
 
     @abstractmethod
     def open(

@@ -8,7 +8,7 @@ from uvshear.errors import InputError
 from uvshear.io.records import finite, read_record
 from uvshear.shear.calibration import Calibration, Component, Pair
 
-_AS_MEASURED = {"wraps": "mean", "facet": "exact", "legacy_shear": False}
+_AS_MEASURED = {"wraps": "mean", "legacy_shear": False, "position_error_arcsec": 0.0}
 """What a bias has in common with every table of shapes."""
 
 
@@ -37,6 +37,8 @@ def read_calibration(path: Path) -> Calibration:
         _number(path, record, "snr_min"),
         flux_min,
         str(record.get("prior", "paper")),
+        averages_cells=record.get("facet") == "cell-average",
+        cuts_on_measured=record.get("selection", "measured") == "measured",
     )
 
 

@@ -82,11 +82,15 @@ def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
 
 
 def write_json(path: Path, values: Mapping[str, object], *, overwrite: bool = False) -> None:
-    """Write a flat record; a number that is not finite becomes null, which JSON can hold."""
+    """Write a record, nested or not; a number that is not finite becomes null, which JSON can hold."""
 
     def finite(value: object) -> object:
+        if isinstance(value, Mapping):
+            return {name: finite(one) for name, one in value.items()}
+        if isinstance(value, list | tuple):
+            return [finite(one) for one in value]
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
-    record = {name: finite(value) for name, value in values.items()}
+    record = finite(values)
     with new_file(path, overwrite=overwrite) as temporary:
         temporary.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")

@@ -29,6 +29,16 @@ _FIELDS = {
 }
 """Names in the file of each part's parameters."""
 
+_RANGES = {
+    "index": (-10.0, 10.0),
+    "slope": (-10.0, 10.0),
+    "intercept": (-100.0, 100.0),
+    "sigma": (1e-2, 10.0),
+    "c": (1e-4, 1e3),
+    "e0": (1e-4, 1e3),
+}
+"""Of parameters that are no population's outside, and that nothing could be integrated over."""
+
 _ERROR = "_err"
 
 PopulationRecord: TypeAlias = dict[str, dict[str, float]]
@@ -91,5 +101,10 @@ def _values(path: Path, part: str, values: object) -> Mapping[str, float]:
             continue
         if (value := finite(values, name)) is None:
             raise InputError(f"{path}: '{part}' has no number as '{name}'")
+        low, high = _RANGES.get(name, (-math.inf, math.inf))
+        if not low <= value <= high:
+            raise InputError(
+                f"{path}: '{part}' has {value:g} as '{name}'; it lies between {low:g} and {high:g}"
+            )
         found[fields[name]] = value * _unit(name)
     return found

@@ -1,5 +1,6 @@
 """The table of measured shapes: its columns, their units, and how it is written and read."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -144,5 +145,20 @@ def read_shapes(path: Path) -> Table:
 
 def inside(table: Table, name: str) -> Float[Array, " source"]:
     """Column of a table of shapes in SI and radians, NaN where it is empty."""
+    if name not in table.colnames:
+        raise InputError(
+            f"the table of shapes has no column '{name}'; one written by `uvshear measure` has it"
+        )
     filled: Array = np.ma.filled(np.ma.asarray(table[name], dtype=float), np.nan)
     return filled * COLUMNS[name].inside
+
+
+def averages_cells(table: Table) -> bool:
+    """Whether a table of shapes says that it is of facets which average in cells, the paper's."""
+    # FITS has keys in capitals.
+    meta = {str(name).lower(): value for name, value in table.meta.items()}
+    try:
+        record = json.loads(str(meta.get("extract", "{}")))
+    except ValueError:
+        return False
+    return isinstance(record, dict) and record.get("averages_cells") is True

@@ -84,22 +84,31 @@ def write_statistics(path: Path, table: Table, *, overwrite: bool = False) -> No
     write_table(path, table, overwrite=overwrite)
 
 
-def read_statistics(shapes: Path, identifier: Array, columns: tuple[str, ...], keep: str) -> Table:
-    """Read what goes with a table of shapes of these sources; ``keep`` is the option that makes the columns."""
-    path = statistics_path(shapes)
-    if not path.exists():
+def read_statistics(path: Path, shapes: Table, columns: tuple[str, ...], keep: str) -> Table:
+    """Read what goes with a table of ``shapes``, of this path; ``keep`` is the option that makes the columns."""
+    beside = statistics_path(path)
+    if not beside.exists():
         raise InputError(
-            f"{path}: no such file, which this estimator needs; measure again with --keep {keep}"
+            f"{beside}: no such file, which this estimator needs; measure again with --keep {keep}"
         )
-    table = read_table(path, f"file written by `uvshear measure --keep {keep}`")
+    table = read_table(beside, f"file written by `uvshear measure --keep {keep}`")
     if lacking := [name for name in columns if name not in table.colnames]:
-        raise InputError(f"{path}: has no column '{lacking[0]}'; measure again with --keep {keep}")
-    if len(table) != len(identifier):
         raise InputError(
-            f"{path}: has {len(table)} rows, {shapes} {len(identifier)}; both are of one measurement"
+            f"{beside}: has no column '{lacking[0]}'; measure again with --keep {keep}"
         )
-    if np.any(np.char.strip(table["id"].astype(str)) != np.char.strip(identifier.astype(str))):
+    for name, one in ((beside, table), (path, shapes)):
+        if "id" not in one.colnames:
+            raise InputError(f"{name}: has no column 'id'; a table as it was measured is needed")
+    if len(table) != len(shapes):
         raise InputError(
-            f"{path}: is of other sources than {shapes}; measure again, or sort neither"
+            f"{beside}: has {len(table)} rows, {path} {len(shapes)}; both are of one measurement"
+        )
+    if np.any(_identifiers(table) != _identifiers(shapes)):
+        raise InputError(
+            f"{beside}: is of other sources than {path}; measure again, or sort neither"
         )
     return table
+
+
+def _identifiers(table: Table) -> Array:
+    return np.char.strip(table["id"].astype(str))

@@ -65,7 +65,8 @@ class MeasurementOptions:
     keep
         Statistics of every source that are kept beside its shape.
     threads
-        Results do not depend on it.
+        Shapes and likelihoods do not depend on it; moments and metacalibrations that are kept do, by 1e-8 of
+        themselves: which source their weights are first made for.
     memory
         That may be taken to keep what would be worked out again [bytes]; half of the machine's unless given.
     """

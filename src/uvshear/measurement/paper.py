@@ -81,8 +81,9 @@ class PaperExtraction(Extraction):
             sky=sweep.sky,
             uv_range=field.uv_range,
             record={
-                "method": "paper",
+                "extraction": "paper",
                 "facet": type(self.facet).__name__,
+                "averages_cells": self.facet.averages_cells,
                 "rounds": self.rounds,
                 "visits": sweep.visits,
                 "fitted_again": len(bad),

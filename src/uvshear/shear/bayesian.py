@@ -100,7 +100,7 @@ class ShapeLikelihood:
         return self.origin[2] + self.point @ self.axes[2]
 
 
-def log_evidence(
+def evidence_and_gradient(
     likelihood: ShapeLikelihood,
     population: UnlensedPopulation,
     about: complex,

@@ -42,6 +42,10 @@ class Calibration:
         Cuts that the galaxies had passed, by signal-to-noise ratio and by flux [Jy].
     prior
         Where a Bayesian estimate's population had come from: ``paper``, ``fitted`` or ``file``.
+    averages_cells
+        Whether it is of the paper's facets.
+    cuts_on_measured
+        Whether the signal-to-noise ratio of the cut was that of the fit, as a shear's is.
     """
 
     total: Pair
@@ -50,6 +54,8 @@ class Calibration:
     snr_min: float
     flux_min: float = 0.0
     prior: str = "paper"
+    averages_cells: bool = False
+    cuts_on_measured: bool = True
 
     def applied(self, estimate: ShearEstimate) -> ShearEstimate:
         """Take the bias out of the shear of all galaxies."""

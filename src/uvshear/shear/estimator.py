@@ -164,18 +164,27 @@ def _expanded(step: Callable[[complex], ShearEstimate]) -> ShearEstimate:
     about = 0j
     for _ in range(ROUNDS - 1):
         estimate = step(about)
-        about = complex(estimate.g1, estimate.g2)
-        about *= min(1.0, LARGEST / max(abs(about), 1e-12))
+        about = within_reach(complex(estimate.g1, estimate.g2))
     return step(about)
+
+
+def within_reach(shear: complex) -> complex:
+    """Return the shear, or one of ``LARGEST`` in its direction: a first estimate of few galaxies may be anything."""
+    return shear * min(1.0, LARGEST / max(abs(shear), 1e-12))
 
 
 def by_flux(
     estimator: ShearEstimator, flux: Float[Array, " source"], chosen: Bool[Array, " source"]
 ) -> dict[str, ShearEstimate]:
-    """Shear of the chosen galaxies in each bin of the catalogue's flux [Jy] that has enough of them."""
+    """Shear of the chosen galaxies in each bin of the catalogue's flux [Jy] that has enough of them to tell one."""
     found = {}
     for one in FLUX_BINS:
         inside = chosen & estimator.usable & one.holds(flux)
-        if inside.sum() >= FEWEST:
+        if inside.sum() < FEWEST:
+            continue
+        try:
             found[one.name] = estimator.of(inside)
+        except InputError:
+            # Galaxies that a population does not have tell nothing, however many there are.
+            continue
     return found

@@ -22,7 +22,7 @@ import numpy as np
 from uvshear.errors import InputError
 from uvshear.galaxy import DiscEllipticityPrior
 from uvshear.progress import Meter
-from uvshear.shear.bayesian import ShapeLikelihood, UnlensedPopulation, log_evidence
+from uvshear.shear.bayesian import ShapeLikelihood, UnlensedPopulation, evidence_and_gradient
 from uvshear.typing import Array, Float
 
 LIKENESS = 1.0
@@ -113,6 +113,6 @@ def _scores(
     ]
     scores = np.empty((len(likelihoods), count))
     for score, one in zip(scores, likelihoods, strict=True):
-        _, score[:] = log_evidence(one, population, about, sides, 2 * DIFFERENCE)
+        _, score[:] = evidence_and_gradient(one, population, about, sides, 2 * DIFFERENCE)
         meter.add()
     return scores
