@@ -29,6 +29,6 @@ def test_natural_norms_are_sums_over_every_visibility_for_unit_flux(beta):
         for one in zip(e[:2], size[:2], strict=True)
     ]
     np.testing.assert_allclose(norms[:2], expected, rtol=1e-3)
-    # A cell has one frequency.
-    exactly = 1e-9 if beta == 0 else 2e-3
+    # Single precision, 1e-7 where processors take reciprocal roots by approximation; a cell has one frequency.
+    exactly = 5e-7 if beta == 0 else 2e-3
     np.testing.assert_allclose(norms[2], np.sum(weights * gain**2), rtol=exactly)

@@ -140,8 +140,8 @@ def test_the_gain_counted_is_that_of_the_whole_likelihood():
     expected = whole(trial) - whole(START) + priors
     assert abs(priors) > 5
     assert abs(expected - priors) > 10
-    # measured 2e-7; <d, d> whole, a facet counted twice, or the priors: 0.5
-    assert got == pytest.approx(expected, rel=1e-5)
+    # Single precision of sums of tens: 5e-7 or 3e-5 by the processor; <d, d> whole, a facet twice, or the priors: 0.5
+    assert got == pytest.approx(expected, abs=2e-4)
 
 
 def test_the_gradient_is_that_of_the_log_posterior():
