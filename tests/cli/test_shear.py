@@ -213,6 +213,12 @@ def test_a_fitted_population_is_told_and_can_be_given_again(
     assert abs(again["g1"] - paper["g1"]) > 1e-3
 
 
+def test_a_prior_that_is_none_is_named(uvshear: Callable, likely: Path) -> None:
+    outcome = uvshear("shear", likely, "--estimator", "bayesian", "--prior", "fited")
+    assert outcome.status == 2
+    assert "--prior fited: is neither paper nor fitted, nor a file" in outcome.err
+
+
 def test_a_population_that_is_the_output_too_is_refused(
     uvshear: Callable, tmp_path: Path, likely: Path
 ) -> None:

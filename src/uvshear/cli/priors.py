@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+from uvshear.errors import InputError
+
 if TYPE_CHECKING:
     from uvshear.shear.bayesian import UnlensedPopulation
 
@@ -35,6 +37,8 @@ class Prior:
 
         if name in (PAPER, FITTED):
             return cls(name, UnlensedPopulation())
+        if not Path(name).exists():
+            raise InputError(f"--prior {name}: is neither {PAPER} nor {FITTED}, nor a file")
         return cls(FILE, read_population(Path(name)))
 
     @property
