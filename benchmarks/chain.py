@@ -24,11 +24,11 @@ from astropy.table import Table
 from scipy.spatial import cKDTree
 
 from uvshear.constants import ARCSEC, MICROJANSKY
+from uvshear.diagnostics.slope import fit_slope
 from uvshear.galaxy import Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.io.catalogue import read_catalogue
 from uvshear.io.shapes import inside, read_shapes
-from uvshear.shear.slope import fit_slope
 from uvshear.simulation.lensing import shear_galaxies
 
 PHASE_CENTRE = PhaseCentre(0.0, math.radians(-30.0))

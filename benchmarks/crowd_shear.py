@@ -16,13 +16,14 @@ from pathlib import Path
 from astropy.table import Table, vstack
 from survey import PHASE_CENTRE
 
-from uvshear.calibration.crowded import FieldBayesian, FieldMean, FieldMoments
+from uvshear.bias.crowded import FieldBayesian, FieldMean, FieldMoments
+from uvshear.bias.survey import Survey, calibrate_crowded
+from uvshear.execution import in_threads
+from uvshear.extraction import MeasurementOptions
 from uvshear.interferometer.coverage import Track
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.spectral_window import Channels
-from uvshear.measurement import MeasurementOptions
-from uvshear.trials import Survey, calibrate_crowded
 
 
 def main() -> None:
@@ -56,12 +57,12 @@ def measured(arguments: argparse.Namespace, density: float) -> dict:
         (g, -g) if arguments.shear else (0j,),
         snr_min=10.0,
         seed=arguments.seed,
-        threads=arguments.threads,
+        executor=in_threads(arguments.threads),
     )
     crowd = survey.crowd(arguments.galaxies, density)
     known = {"mean": FieldMean(), "moments": FieldMoments(), "bayesian": FieldBayesian()}
     chosen = {name: known[name] for name in arguments.estimator}
-    options = MeasurementOptions(threads=arguments.threads)
+    options = MeasurementOptions(executor=in_threads(arguments.threads))
     biases = calibrate_crowded(
         crowd,
         list(chosen.values()),

@@ -18,24 +18,25 @@ from pathlib import Path
 import numpy as np
 import survey
 from astropy.table import Table, vstack
+from uvshear.execution.concurrency import in_order
 
 import uvshear
-from uvshear.concurrency import in_order
 from uvshear.constants import ARCSEC, MICROJANSKY
-from uvshear.extraction.beams import gather_beams
-from uvshear.extraction.plan import SMALL, Wanted, plan_visit
-from uvshear.extraction.residual import Gridding, ModelledSky, gather_residuals
-from uvshear.fit.measurement import GalaxyFit
-from uvshear.fit.prior import ShapePrior
-from uvshear.fit.shape import measure_shape
-from uvshear.fit.template import Template
+from uvshear.diagnostics.slope import fit_slope
+from uvshear.execution import in_threads
+from uvshear.extraction import ConvergedExtraction, MeasurementOptions, PaperExtraction
+from uvshear.extraction.converged.beams import gather_beams
+from uvshear.extraction.converged.major_cycle import Gridding, ModelledSky, gather_residuals
+from uvshear.extraction.converged.plan import SMALL, Wanted, plan_visit
 from uvshear.galaxy import Exponential, Galaxies, SizeFluxRelation
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.measurement import ConvergedExtraction, MeasurementOptions, PaperExtraction
 from uvshear.predict.response import Response
-from uvshear.shear.slope import fit_slope
+from uvshear.shapes.measurement import GalaxyFit
+from uvshear.shapes.prior import ShapePrior
+from uvshear.shapes.shape import measure_shape
+from uvshear.shapes.template import Template
 
 BRIGHT = 25 * MICROJANSKY
 
@@ -49,7 +50,7 @@ def main() -> None:
     )
     print(f"{len(galaxies)} galaxies, {sum(map(len, observation.blocks))} rows", flush=True)
     extraction = ConvergedExtraction() if arguments.extraction == "converged" else PaperExtraction()
-    options = MeasurementOptions(extraction=extraction, threads=threads)
+    options = MeasurementOptions(extraction=extraction, executor=in_threads(threads))
     catalogue = catalogue_from_galaxies(galaxies, survey.PHASE_CENTRE)
     wall, cpu = time.perf_counter(), time.process_time()
     shapes = uvshear.measure(observation, catalogue, options)
@@ -97,7 +98,7 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, threads: int) -> Table:
         float(uv_max.max()),
     )
     nothing = replace(galaxies, flux=np.zeros(len(galaxies)))
-    gridding = Gridding(threads=threads)
+    gridding = Gridding(executor=in_threads(threads))
     response = Response.of(galaxies)
     beams = gather_beams(noise, lm, (0.0, float(uv_max.max())), plan.pixel, response, gridding)
     half = np.full(len(galaxies), 20 * ARCSEC)

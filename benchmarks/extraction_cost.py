@@ -22,8 +22,9 @@ from astropy.table import Table
 
 import uvshear
 from uvshear.constants import ARCSEC
+from uvshear.execution import in_threads
+from uvshear.extraction import MeasurementOptions
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.measurement import MeasurementOptions
 from uvshear.plot.figure import BLUE, GREY, ORANGE, new_figure, save
 
 
@@ -82,7 +83,9 @@ def draw_growth(table: Table, picture: Path) -> None:
 
 
 def field(arcmin: float, integration: float):
-    galaxies, observation, _ = survey.simulate(arcmin, 2.8, integration, seed=7, threads=2)
+    galaxies, observation, _ = survey.simulate(
+        arcmin, 2.8, integration, seed=7, executor=in_threads(2)
+    )
     return galaxies, observation
 
 
@@ -90,7 +93,9 @@ def measure(world, threads: int) -> tuple[float, float, int]:
     galaxies, observation = world
     catalogue = catalogue_from_galaxies(galaxies, survey.PHASE_CENTRE)
     wall, cpu = time.perf_counter(), time.process_time()
-    shapes = uvshear.measure(observation, catalogue, MeasurementOptions(threads=threads))
+    shapes = uvshear.measure(
+        observation, catalogue, MeasurementOptions(executor=in_threads(threads))
+    )
     visits = json.loads(shapes.meta["extract"])["visits"]
     return time.perf_counter() - wall, time.process_time() - cpu, visits
 

@@ -13,17 +13,19 @@ from collections.abc import Callable
 import numpy as np
 
 from uvshear.constants import ARCSEC, MICROJANSKY
-from uvshear.extraction.cell_average import CellAverageFacets, PaperTable
-from uvshear.extraction.exact import ExactFacets
-from uvshear.extraction.facets import Target, UvRange
-from uvshear.fit.prior import ShapePrior
-from uvshear.fit.shape import fit_galaxy, measure_shape
+from uvshear.execution import in_threads
+from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable
+from uvshear.extraction.paper.exact import ExactFacets
+from uvshear.extraction.paper.facets import Target
 from uvshear.galaxy import Exponential, Galaxies, SizeFluxRelation
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
+from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Visibilities
 from uvshear.predict import predict_visibilities
+from uvshear.shapes.prior import ShapePrior
+from uvshear.shapes.shape import fit_galaxy, measure_shape
 
 FREQUENCY = np.array([1.07e9])
 FLUXES = np.array([175.0, 125.0, 90.0, 70.0, 50.0, 30.0, 15.0]) * MICROJANSKY
@@ -49,12 +51,12 @@ def time_fit(name: str, method, uvw: np.ndarray, flux: float, snr: float) -> Non
     profile = Exponential()
     size = float(SizeFluxRelation().median(np.array([flux]))[0])
     galaxy = single(flux, size, 0.2 + 0.1j)
-    vis = predict_visibilities(galaxy, uvw, FREQUENCY, profile, threads=2)
+    vis = predict_visibilities(galaxy, uvw, FREQUENCY, profile, executor=in_threads(2))
     sigma = math.sqrt(float(np.sum(np.abs(vis) ** 2))) / snr
     rng = np.random.default_rng(1)
     noisy = vis + sigma * (rng.normal(size=vis.shape) + 1j * rng.normal(size=vis.shape))
     model = single(flux, size, 0j)
-    residual = noisy - predict_visibilities(model, uvw, FREQUENCY, profile, threads=2)
+    residual = noisy - predict_visibilities(model, uvw, FREQUENCY, profile, executor=in_threads(2))
     weights = np.full(vis.shape, sigma**-2)
     longest = float(np.hypot(uvw[:, 0], uvw[:, 1]).max() * FREQUENCY[0] / 299792458.0)
     builder = method.open(Target(model, size, UvRange(0, longest), FREQUENCY[0]), profile)

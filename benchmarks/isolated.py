@@ -18,15 +18,16 @@ import survey
 from survey import FREQUENCY, PHASE_CENTRE
 
 import uvshear
-from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
-from uvshear.extraction.exact import ExactFacets
+from uvshear.diagnostics.slope import fit_slope
+from uvshear.execution import in_threads
+from uvshear.extraction import MeasurementOptions, PaperExtraction
+from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable, ScaleLengths
+from uvshear.extraction.paper.exact import ExactFacets
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.measurement import MeasurementOptions, PaperExtraction
 from uvshear.predict import predict_visibilities
-from uvshear.shear.slope import fit_slope
-from uvshear.simulation.field import DiscField
+from uvshear.simulation.sky_region import DiscField
 
 
 def main() -> None:
@@ -90,7 +91,9 @@ def measure_one(job: tuple) -> tuple[complex, float, float, float, float, str, f
     block = Visibilities(uvw, FREQUENCY, vis + sigma * noise, weights)
     observation = VisibilitySet(PHASE_CENTRE, (block,))
     shape = uvshear.measure(
-        observation, catalogue_from_galaxies(galaxy, PHASE_CENTRE), replace(options, threads=1)
+        observation,
+        catalogue_from_galaxies(galaxy, PHASE_CENTRE),
+        replace(options, executor=in_threads(1)),
     )[0]
     e = complex(shape["e1"], shape["e2"])
     return (

@@ -17,16 +17,18 @@ from pathlib import Path
 import numpy as np
 from astropy.table import Table, vstack
 
-from uvshear.calibration.estimators import (
+from uvshear.bias.estimators import (
     BayesianEstimator,
     Estimator,
     MeanEstimator,
     MomentEstimator,
 )
-from uvshear.calibration.experiment import Experiment, calibrate
-from uvshear.calibration.isolated import Beam
+from uvshear.bias.experiment import Experiment, calibrate
+from uvshear.bias.isolated import Beam
+from uvshear.bias.survey import Survey
 from uvshear.constants import ARCSEC, MICROJANSKY
-from uvshear.fit.prior import ShapePrior
+from uvshear.estimators.evidence import UnlensedPopulation
+from uvshear.execution import in_threads
 from uvshear.galaxy import Exponential, PowerLawFlux, SizeFluxRelation
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track
@@ -34,9 +36,8 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.psf_shape import measure_psf
 from uvshear.interferometer.spectral_window import Channels
-from uvshear.shear.bayesian import UnlensedPopulation
+from uvshear.shapes.prior import ShapePrior
 from uvshear.simulation.population import Population
-from uvshear.trials import Survey
 
 LATITUDE = -30.7
 ZENITH_DISTANCES = (0.0, 20.0, 40.0, 60.0)
@@ -78,7 +79,7 @@ def beam(zenith_deg: float) -> Beam:
     centre = PhaseCentre(0.0, math.radians(LATITUDE + zenith_deg))
     track = Track.from_clock(centre, ((-14400.0, 14400.0),), 300.0)
     plan = ObservingPlan(load_layout("ska-mid-aa4"), track, Channels.from_band(950e6, 1190e6, 1))
-    return Survey(plan, (0j,), threads=2).alone().beam
+    return Survey(plan, (0j,), executor=in_threads(2)).alone().beam
 
 
 def of_size(one: Beam, size_arcsec: float, seed: int) -> Experiment:

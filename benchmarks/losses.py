@@ -13,6 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from uvshear.constants import ARCSEC
+from uvshear.execution import in_threads
+from uvshear.extraction import MeasurementOptions
 from uvshear.galaxy import CatalogueSize, Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.attenuation import BandwidthSmearing, TimeSmearing, Together
@@ -21,7 +23,6 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.primary_beam import AiryBeam
 from uvshear.interferometer.visibilities import Integrations, Visibilities, VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.measurement import MeasurementOptions
 from uvshear.pipeline import extract
 from uvshear.predict import predict_visibilities
 from uvshear.predict.losses import Losses
@@ -85,7 +86,7 @@ def errors(
     """Largest error of e, and of the flux over itself."""
     # The whole product stands in for the dishes' beam: parts of it are to be left out one by one.
     options = MeasurementOptions(
-        size=CatalogueSize(), threads=2, smears=False, primary_beam=attenuation
+        size=CatalogueSize(), executor=in_threads(2), smears=False, primary_beam=attenuation
     )
     found = extract(observation, catalogue_from_galaxies(modelled, CENTRE), options)[1].measurements
     e = np.array([complex(*found[k].ellipticity) for k in range(len(true))])
@@ -104,7 +105,9 @@ def observed(sky: Galaxies, width: float, interval: float, weight: float) -> Vis
     for t, of_time in zip(x / 2, share / 2, strict=True):
         uvw = baselines(HOURS + EARTH_ROTATION * interval * t)
         for nu, of_channel in zip(x / 2, share / 2, strict=True):
-            fine = predict_visibilities(sky, uvw, FREQUENCY + width * nu, threads=2, losses=dishes)
+            fine = predict_visibilities(
+                sky, uvw, FREQUENCY + width * nu, executor=in_threads(2), losses=dishes
+            )
             vis += of_time * of_channel * fine
     block = Visibilities(
         baselines(HOURS),

@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from uvshear.constants import ARCSEC
-from uvshear.extraction.psf import point_spread_function
+from uvshear.diagnostics.psf import point_spread_function
+from uvshear.execution import in_threads
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.imaging import ImageGrid
@@ -76,9 +77,11 @@ def measure(path: Path, arguments: argparse.Namespace) -> None:
     memory = VisibilitySet(observation.phase_centre, tuple(observation.chunks()))
     grid = ImageGrid(arguments.size, 0.3 * ARCSEC)
     ways: dict[str, Callable[[], object]] = {
-        "gridding": lambda: point_spread_function(memory, grid, threads=arguments.threads),
+        "gridding": lambda: point_spread_function(
+            memory, grid, executor=in_threads(arguments.threads)
+        ),
         "reading and gridding": lambda: point_spread_function(
-            observation, grid, threads=arguments.threads
+            observation, grid, executor=in_threads(arguments.threads)
         ),
         "reading": lambda: sum(len(chunk) for chunk in observation.chunks()),
     }

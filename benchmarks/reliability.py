@@ -11,8 +11,8 @@ from collections import Counter
 import numpy as np
 from isolated import draw, facet_method, measure_one, parse
 
-from uvshear.fit import shape
-from uvshear.measurement import MeasurementOptions, PaperExtraction
+from uvshear.extraction import MeasurementOptions, PaperExtraction
+from uvshear.shapes import shape
 
 
 def main() -> None:

@@ -13,12 +13,13 @@ import numpy as np
 
 import uvshear
 from uvshear.constants import ARCMIN
+from uvshear.execution import in_threads
 from uvshear.galaxy import DiscEllipticityPrior, PowerLawFlux, SizeFluxRelation
 from uvshear.interferometer import Channels, ObservingPlan, PhaseCentre, Track, load_layout
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.io.measurement_set_writer import write_measurement_set
-from uvshear.simulation.field import SquareField
 from uvshear.simulation.population import Population, draw_population
+from uvshear.simulation.sky_region import SquareField
 
 BASELINES = 197 * 196 // 2
 
@@ -49,10 +50,10 @@ def run(rows: int, galaxies: int, threads: int) -> int:
     track = Track.from_clock(centre, ((-14400.0, 14400.0),), 28800.0 / samples)
     plan = ObservingPlan(load_layout("ska-mid-aa4"), track, Channels.from_band(0.95e9, 1.19e9, 1))
     observation = uvshear.simulate(
-        catalogue_from_galaxies(sky, centre), plan, seed=1, threads=threads
+        catalogue_from_galaxies(sky, centre), plan, seed=1, executor=in_threads(threads)
     )
     with tempfile.TemporaryDirectory() as folder:
-        write_measurement_set(Path(folder) / "field.ms", observation, threads=threads)
+        write_measurement_set(Path(folder) / "field.ms", observation, executor=in_threads(threads))
     return len(observation.coverage)
 
 

@@ -18,9 +18,9 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
-from uvshear.simulation.field import Field, SquareField
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.population import Population, draw_population
+from uvshear.simulation.sky_region import Field, SquareField
 
 CHANNELS = Channels.from_band(0.95e9, 1.19e9, 1)
 FREQUENCY = CHANNELS.frequency

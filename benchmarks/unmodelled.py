@@ -16,12 +16,13 @@ from astropy.table import Table
 
 import uvshear
 from uvshear.constants import ARCMIN, ARCSEC, MICROJANSKY
+from uvshear.diagnostics.slope import fit_slope
+from uvshear.execution import in_threads
+from uvshear.extraction import MeasurementOptions
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import Catalogue, catalogue_from_galaxies
-from uvshear.measurement import MeasurementOptions
 from uvshear.predict import predict_visibilities
-from uvshear.shear.slope import fit_slope
 
 NEAR = 10 * ARCSEC
 STAR = 1000 * 50 * MICROJANSKY
@@ -30,7 +31,7 @@ STAR = 1000 * 50 * MICROJANSKY
 
 def main() -> None:
     """Measure one way after the other."""
-    galaxies, observation, _ = survey.simulate(8.0, 2.8, 600.0, seed=11, threads=2)
+    galaxies, observation, _ = survey.simulate(8.0, 2.8, 600.0, seed=11, executor=in_threads(2))
     whole = catalogue_from_galaxies(galaxies, survey.PHASE_CENTRE)
     right = measure(observation, whole)
     print("case                                  change  near    slopes         flags")
@@ -78,7 +79,7 @@ def main() -> None:
 
 
 def measure(observation: VisibilitySet, catalogue: Catalogue) -> Table:
-    return uvshear.measure(observation, catalogue, MeasurementOptions(threads=2))
+    return uvshear.measure(observation, catalogue, MeasurementOptions(executor=in_threads(2)))
 
 
 def replace_sources(catalogue: Catalogue, index: np.ndarray) -> Catalogue:

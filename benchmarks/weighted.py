@@ -13,6 +13,8 @@ import numpy as np
 
 import uvshear
 from uvshear.constants import ARCSEC, MICROJANSKY, SPEED_OF_LIGHT
+from uvshear.execution import in_threads
+from uvshear.extraction import MeasurementOptions
 from uvshear.galaxy import DiscEllipticityPrior, Galaxies, PowerLawFlux, SizeFluxRelation
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
@@ -20,10 +22,9 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.interferometer.weighting import Briggs, GaussianTaper, RoundPsf, Uniform
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.measurement import MeasurementOptions
 from uvshear.predict import predict_visibilities
-from uvshear.simulation.field import SquareField
 from uvshear.simulation.population import Population, draw_population
+from uvshear.simulation.sky_region import SquareField
 
 CENTRE = PhaseCentre(0.3, math.radians(10.0))
 FREQUENCY = np.array([1.07e9])
@@ -50,7 +51,7 @@ def main() -> None:
     catalogue = catalogue_from_galaxies(galaxies, CENTRE)
     true = {"e1": galaxies.ellipticity.real, "e2": galaxies.ellipticity.imag}
     for name, weightings in WEIGHTINGS.items():
-        options = MeasurementOptions(weightings=weightings, threads=arguments.threads)
+        options = MeasurementOptions(weightings=weightings, executor=in_threads(arguments.threads))
         shapes = uvshear.measure(observation, catalogue, options)
         good = np.array(shapes["flag"]) == "ok"
         pull = np.concatenate([((shapes[e] - true[e]) / shapes[f"{e}_err"])[good] for e in true])

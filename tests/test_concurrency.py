@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from uvshear.concurrency import in_order
+from uvshear.execution.concurrency import in_order
 
 
 @settings(deadline=None, max_examples=30)

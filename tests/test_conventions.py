@@ -8,6 +8,7 @@ import pytest
 from tests.reference import direct_sum, dirty
 from tests.skies import L_BAND, galaxies, random_baselines
 from uvshear.constants import ARCSEC, REFERENCE_FREQUENCY, SPECTRAL_INDEX, SPEED_OF_LIGHT
+from uvshear.extraction import MeasurementOptions
 from uvshear.galaxy import DiscEllipticityPrior, FlatEllipticityPrior
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.geometry.ellipticity import add_shear, sheared_scale_length
@@ -15,7 +16,6 @@ from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.stokes import stokes_i
 from uvshear.io.catalogue import catalogue_from_table
-from uvshear.measurement import MeasurementOptions
 from uvshear.predict import predict_visibilities
 
 WAVELENGTH = SPEED_OF_LIGHT / L_BAND[0]

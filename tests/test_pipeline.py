@@ -11,17 +11,18 @@ from astropy.wcs import WCS
 from tests.skies import galaxies, vla
 from uvshear.constants import ARCMIN, ARCSEC
 from uvshear.errors import InputError
-from uvshear.extraction.cell_average import CellAverageFacets
-from uvshear.extraction.facets import UvRange
+from uvshear.execution import in_threads
+from uvshear.extraction import MeasurementOptions, PaperExtraction
+from uvshear.extraction.paper.cell_average import CellAverageFacets
 from uvshear.galaxy import CatalogueSize, DiscEllipticityPrior, Galaxies
 from uvshear.geometry.directions import PhaseCentre, equatorial
+from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.catalogue import Catalogue
 from uvshear.io.shapes import COLUMNS
-from uvshear.measurement import MeasurementOptions, PaperExtraction
 from uvshear.pipeline import estimate_shear, extract, measure
 from uvshear.predict import predict_visibilities
-from uvshear.shear.weight import lensfit_weight
+from uvshear.shapes.weight import lensfit_weight
 
 FREQUENCY = np.array([1.35e9, 1.45e9])
 SIGMA = 1e-4
@@ -141,7 +142,7 @@ def _numbers(table):
 
 
 def test_threads_change_no_bit(field, shapes):
-    other = measure(field.observation, field.catalogue, replace(OPTIONS, threads=2))
+    other = measure(field.observation, field.catalogue, replace(OPTIONS, executor=in_threads(2)))
     np.testing.assert_array_equal(_numbers(other), _numbers(shapes))
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from uvshear.measurement import MeasurementOptions
+    from uvshear.extraction import MeasurementOptions
     from uvshear.pipeline import estimate_shear, measure, simulate
 
 __all__ = ["MeasurementOptions", "__version__", "estimate_shear", "measure", "simulate"]

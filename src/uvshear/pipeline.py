@@ -18,8 +18,17 @@ from astropy.table import Table
 from scipy.spatial import cKDTree
 
 from uvshear.constants import REFERENCE_FREQUENCY
+from uvshear.diagnostics.natural_snr import with_natural_snr
 from uvshear.errors import InputError
-from uvshear.fit.measurement import FitFlag, ShapeMeasurement
+from uvshear.estimators.estimator import BayesianShear, MeanShear, MetacalShear, MomentShear
+from uvshear.estimators.evidence import UnlensedPopulation
+from uvshear.estimators.mean import ShearEstimate
+from uvshear.estimators.packing import PACKED, unpack
+from uvshear.estimators.ratio import Responses
+from uvshear.execution import SERIAL, Executor
+from uvshear.extraction import Extracted, Field, MeasurementOptions
+from uvshear.extraction.metacal import MetacalStatistic
+from uvshear.extraction.weighted_shapes import weigh
 from uvshear.galaxy import (
     Exponential,
     Galaxies,
@@ -28,24 +37,16 @@ from uvshear.galaxy import (
 )
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import synthesise
-from uvshear.interferometer.extent import Extent, measure_extent
 from uvshear.interferometer.noise import Noise
 from uvshear.interferometer.plan import ObservingPlan
+from uvshear.interferometer.summary import Extent, measure_extent
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, catalogue_from_table
 from uvshear.io.shapes import inside, shapes_table
-from uvshear.measurement import Extracted, Field, MeasurementOptions
-from uvshear.measurement.metacal import MetacalStatistic
-from uvshear.measurement.natural_snr import with_natural_snr
-from uvshear.measurement.weighed import weigh
 from uvshear.predict.response import FAINTEST, Response
 from uvshear.progress import Progress
-from uvshear.shear.bayesian import UnlensedPopulation
-from uvshear.shear.estimator import BayesianShear, MeanShear, MetacalShear, MomentShear
-from uvshear.shear.mean import ShearEstimate
-from uvshear.shear.packing import PACKED, unpack
-from uvshear.shear.response import Responses
-from uvshear.shear.weight import lensfit_weight
+from uvshear.shapes.measurement import FitFlag, ShapeMeasurement
+from uvshear.shapes.weight import lensfit_weight
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.observation import SimulatedObservation
@@ -64,7 +65,7 @@ def simulate(
     lens: Lens = shear_galaxies,
     profile: Profile | None = None,
     seed: int | None = 1,
-    threads: int = 1,
+    executor: Executor = SERIAL,
 ) -> SimulatedObservation:
     """Let an array observe the galaxies of a catalogue.
 
@@ -88,7 +89,7 @@ def simulate(
     coverage = synthesise(plan.layout, plan.track)
     noise = noise or GalaxyNoise()
     if isinstance(noise, GalaxyNoise):
-        noise = noise.scaled_to(coverage, plan.channels, profile, threads)
+        noise = noise.scaled_to(coverage, plan.channels, profile, executor)
     return SimulatedObservation(
         coverage=coverage,
         channels=plan.channels,
@@ -96,7 +97,7 @@ def simulate(
         profile=profile,
         noise=noise,
         seed=seed,
-        threads=threads,
+        executor=executor,
         is_averaged=plan.is_averaged,
         primary_beam=plan.primary_beam,
     )
@@ -151,7 +152,7 @@ def extract(
         observation,
         extracted.sky,
         options.profile,
-        options.threads,
+        options.executor,
         response,
     )
     return field, replace(extracted, measurements=quoted)

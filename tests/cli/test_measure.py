@@ -15,13 +15,13 @@ from tests.io.measurement_sets import real_set
 from uvshear import __version__, pipeline
 from uvshear.cli.extractions import ExtractionName, extraction_of
 from uvshear.cli.names import FacetName
-from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
-from uvshear.extraction.exact import ExactFacets
+from uvshear.estimators.packing import PACKED, unpack
+from uvshear.extraction import ConvergedExtraction, MeasurementOptions, PaperExtraction
+from uvshear.extraction.options import default_extraction
+from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable, ScaleLengths
+from uvshear.extraction.paper.exact import ExactFacets
 from uvshear.io.shapes import COLUMNS, read_shapes
 from uvshear.io.statistics import statistics_path
-from uvshear.measurement import ConvergedExtraction, MeasurementOptions, PaperExtraction
-from uvshear.measurement.options import default_extraction
-from uvshear.shear.packing import PACKED, unpack
 
 CONTRACT = 21
 """Columns that commands.md fixes, the first of the table."""

@@ -11,6 +11,8 @@ from astropy.table import Table
 from tests.shear.test_bayesian import POPULATION, Toy
 from tests.shear.test_hierarchy import toy_likelihoods
 from uvshear import __version__
+from uvshear.estimators.packing import PACKED, pack, unpack
+from uvshear.extraction.metacal import MetacalStatistic
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.geometry.ellipticity import add_shear
 from uvshear.io.shapes import COLUMNS, DERIVED, shapes_table, write_shapes
@@ -20,8 +22,6 @@ from uvshear.io.statistics import (
     statistics_table,
     write_statistics,
 )
-from uvshear.measurement.metacal import MetacalStatistic
-from uvshear.shear.packing import PACKED, pack, unpack
 
 
 @pytest.fixture

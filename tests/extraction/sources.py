@@ -6,9 +6,10 @@ import numpy as np
 
 from tests.skies import L_BAND, galaxies, vla
 from uvshear.constants import ARCSEC
-from uvshear.extraction.facets import Target, UvRange
+from uvshear.extraction.paper.facets import Target
 from uvshear.galaxy import Exponential, Galaxies
-from uvshear.interferometer.extent import measure_extent
+from uvshear.interferometer.summary import measure_extent
+from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
 

@@ -14,7 +14,8 @@ from astropy.table import Table
 from astropy.wcs import WCS
 
 from uvshear.constants import ARCSEC
-from uvshear.extraction.psf import point_spread_function
+from uvshear.diagnostics.psf import point_spread_function
+from uvshear.execution import in_threads
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.imaging import ImageGrid
@@ -156,7 +157,9 @@ def test_weights_are_wsclean_s(tmp_path, options, weightings):
     theirs = fits.getdata(tmp_path / "image-psf.fits")[0, 0]
     cut = TukeyTaper(longest=LONGEST)
     observation = weighted(open_observation([tmp_path / "field.ms"]), (cut, *weightings))
-    ours = point_spread_function(observation, ImageGrid(WEIGHTED_SIZE, PIXEL), threads=2)
+    ours = point_spread_function(
+        observation, ImageGrid(WEIGHTED_SIZE, PIXEL), executor=in_threads(2)
+    )
     # columns of theirs are along -l; both have their centre at size/2
     theirs = theirs[1:, :0:-1].T
     # 0.02 and more with cells of another size, or a robustness 0.05 off

@@ -7,11 +7,11 @@ from astropy.io import fits
 from astropy.wcs import WCS
 
 from tests.skies import galaxies, random_baselines
+from uvshear.diagnostics.residual_image import residual_image
 from uvshear.errors import InputError
-from uvshear.extraction.residual_image import residual_image
 from uvshear.galaxy import Exponential
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.extent import measure_extent
+from uvshear.interferometer.summary import measure_extent
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.images import write_residual_image
 from uvshear.predict import predict_visibilities

@@ -6,6 +6,7 @@ from casacore import measures, quanta, tables
 
 from tests.io.measurement_sets import PHASE_CENTRE, simulated, written
 from uvshear.errors import InputError
+from uvshear.execution import in_threads
 from uvshear.interferometer.stokes import Hands
 from uvshear.io.measurement_set_writer import write_measurement_set
 from uvshear.simulation import observation as observation_module
@@ -200,7 +201,7 @@ def test_block_by_block_is_the_same_as_at_once(tmp_path, monkeypatch):
     whole = written(tmp_path)
     monkeypatch.setattr(observation_module, "SLABS_PER_BLOCK", 1)
     pieces = tmp_path / "pieces.ms"
-    write_measurement_set(pieces, simulated(), threads=2)
+    write_measurement_set(pieces, simulated(), executor=in_threads(2))
     with _table(whole) as one, _table(pieces) as other:
         for column in ("DATA", "UVW", "WEIGHT_SPECTRUM", "TIME"):
             np.testing.assert_array_equal(one.getcol(column), other.getcol(column))

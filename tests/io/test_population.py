@@ -9,6 +9,8 @@ import pytest
 
 from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
+from uvshear.estimators.evidence import UnlensedPopulation
+from uvshear.estimators.population_fit import FittedPopulation
 from uvshear.galaxy import (
     DiscEllipticityPrior,
     FlatEllipticityPrior,
@@ -16,8 +18,6 @@ from uvshear.galaxy import (
     SizeFluxRelation,
 )
 from uvshear.io.population import fitted_record, population_record, read_population
-from uvshear.shear.bayesian import UnlensedPopulation
-from uvshear.shear.hierarchy import FittedPopulation
 
 OWN = UnlensedPopulation(
     PowerLawFlux(index=-1.6, minimum=5 * MICROJANSKY, maximum=300 * MICROJANSKY),

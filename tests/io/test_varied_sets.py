@@ -12,6 +12,8 @@ from tests.io.varied_sets import CIRCULAR, LINEAR, Window, write_varied
 from tests.skies import galaxies
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
+from uvshear.execution import in_threads
+from uvshear.extraction import MeasurementOptions
 from uvshear.galaxy import CatalogueSize
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
@@ -21,7 +23,6 @@ from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.io.inspection import inspect
 from uvshear.io.measurement_set import MeasurementSet
 from uvshear.io.observations import Reading, open_observation
-from uvshear.measurement import MeasurementOptions
 from uvshear.pipeline import extract
 from uvshear.predict import predict_visibilities
 
@@ -35,7 +36,7 @@ SKY = galaxies(
     alpha=np.array([2.5, 3.0]) * ARCSEC,
     e=np.array([0.3 - 0.2j, 0.1 + 0.3j]),
 )
-STOKES_I = predict_visibilities(SKY, COVERAGE.uvw, BAND.frequency, threads=2)
+STOKES_I = predict_visibilities(SKY, COVERAGE.uvw, BAND.frequency, executor=in_threads(2))
 
 
 def _windows(count):
@@ -47,7 +48,7 @@ def _windows(count):
 
 
 def _shapes(path, reading=None):
-    options = MeasurementOptions(size=CatalogueSize(), threads=2)
+    options = MeasurementOptions(size=CatalogueSize(), executor=in_threads(2))
     catalogue = catalogue_from_galaxies(SKY, CENTRE)
     found = extract(open_observation([path], reading), catalogue, options)[1].measurements
     return np.array([found[k].ellipticity for k in range(len(SKY))])
@@ -89,7 +90,7 @@ def test_windows_in_files_of_their_own_are_one_observation(usual, tmp_path):
         write_varied(tmp_path / f"{k}.ms", COVERAGE, [window], correlations=CIRCULAR)
         for k, window in enumerate(_windows(2))
     ]
-    options = MeasurementOptions(size=CatalogueSize(), threads=2)
+    options = MeasurementOptions(size=CatalogueSize(), executor=in_threads(2))
     found = extract(open_observation(paths), catalogue_from_galaxies(SKY, CENTRE), options)[1]
     got = np.array([found.measurements[k].ellipticity for k in range(len(SKY))])
     np.testing.assert_allclose(got, usual, atol=1e-4)

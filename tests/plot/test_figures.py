@@ -7,12 +7,12 @@ from matplotlib.figure import Figure
 
 from uvshear import plot
 from uvshear.constants import ARCSEC
+from uvshear.diagnostics.residual_image import DirtyAndResidual
+from uvshear.diagnostics.slope import Slope
 from uvshear.errors import InputError
-from uvshear.extraction.facets import UvRange
-from uvshear.extraction.residual_image import DirtyAndResidual
 from uvshear.imaging import ImageGrid
 from uvshear.interferometer.layout import load_layout
-from uvshear.shear.slope import Slope
+from uvshear.interferometer.uv_range import UvRange
 
 
 def _uv() -> Figure:

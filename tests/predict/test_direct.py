@@ -9,6 +9,7 @@ import pytest
 from tests.reference import direct_sum
 from tests.skies import L_BAND, galaxies, random_baselines, vla
 from uvshear.constants import ARCSEC
+from uvshear.execution import in_threads
 from uvshear.galaxy import Exponential, Gaussian, Profile
 from uvshear.predict import predict_visibilities
 from uvshear.predict.direct import SLAB
@@ -129,9 +130,11 @@ def test_a_profile_of_ones_own_is_predicted_by_its_envelope():
 def test_threads_change_no_bit():
     uvw = random_baselines(2 * SLAB + 77, 5e3)
     sky = galaxies([0.002, -0.003, 0.001], [0.001, 0.004, -0.002], e=[0.3, 0.2j, -0.5])
-    one = predict_visibilities(sky, uvw, L_BAND, threads=1)
+    one = predict_visibilities(sky, uvw, L_BAND, executor=in_threads(1))
     for threads in (2, 5):
-        np.testing.assert_array_equal(predict_visibilities(sky, uvw, L_BAND, threads=threads), one)
+        np.testing.assert_array_equal(
+            predict_visibilities(sky, uvw, L_BAND, executor=in_threads(threads)), one
+        )
 
 
 def test_the_order_of_sources_and_rows_does_not_matter():

@@ -5,6 +5,7 @@ import pytest
 
 from tests.skies import galaxies
 from uvshear.constants import ARCSEC
+from uvshear.execution import in_threads
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.attenuation import BandwidthSmearing, TimeSmearing, Together
 from uvshear.interferometer.coverage import EARTH_ROTATION, antenna_uvw
@@ -78,7 +79,7 @@ def test_a_smeared_galaxy_is_the_average_over_channel_and_integration():
 def test_each_galaxy_has_its_own_losses(threads):
     uvw = _uvw(HOURS)
     beam = _losses(AiryBeam.of_diameters(np.full(2 * PAIRS, 15.0)))
-    together = predict_visibilities(SKY, uvw, FREQUENCY, threads=threads, losses=beam)
+    together = predict_visibilities(SKY, uvw, FREQUENCY, executor=in_threads(threads), losses=beam)
     parts = []
     for k in range(2):
         one = SKY.select(np.array([k]))

@@ -6,9 +6,9 @@ from tests.galaxy.profile_battery import galsim_transform, transform
 from uvshear.constants import ARCMIN
 from uvshear.errors import InputError
 from uvshear.galaxy import Exponential
-from uvshear.simulation.field import SquareField
 from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
 from uvshear.simulation.population import Population, draw_population
+from uvshear.simulation.sky_region import SquareField
 
 EXACT = galsim.GSParams(kvalue_accuracy=1e-16)
 

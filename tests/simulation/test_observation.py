@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from uvshear.execution import in_threads
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
@@ -36,7 +37,7 @@ def _observation(seed=1, channels=3, noise=None, integration=60.0):
     )
 
 
-def _correlations(observation, threads=1):
+def _correlations(observation, executor=in_threads(1)):
     return np.concatenate([block.correlations for block in observation.blocks(threads)])
 
 
@@ -73,7 +74,7 @@ def test_the_same_seed_gives_the_same_noise_whatever_the_threads_and_blocks(monk
     together = _correlations(observation)
     monkeypatch.setattr(module, "SLABS_PER_BLOCK", 1)
     assert len(list(observation.blocks())) > 100
-    np.testing.assert_array_equal(_correlations(observation, threads=2), together)
+    np.testing.assert_array_equal(_correlations(observation, executor=in_threads(2)), together)
 
 
 def test_another_seed_gives_other_noise():

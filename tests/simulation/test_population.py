@@ -4,13 +4,13 @@ import pytest
 from uvshear.constants import ARCMIN, SPECTRAL_INDEX
 from uvshear.errors import InputError
 from uvshear.galaxy import DiscEllipticityPrior, SizeFluxRelation
-from uvshear.simulation.field import DiscField, SquareField
 from uvshear.simulation.population import (
     PAPER_DENSITY,
     Population,
     draw_population,
     expected_number,
 )
+from uvshear.simulation.sky_region import DiscField, SquareField
 
 DEGREE = 60 * ARCMIN
 

@@ -37,7 +37,7 @@ from uvshear.cli.profiles import ProfileName, profile_of
 from uvshear.cli.terminal import progress_bar, say
 
 if TYPE_CHECKING:
-    from uvshear.calibration.bias import Bias
+    from uvshear.bias.bias import Bias
 
 EPILOG = (
     "Example: uvshear bias --estimator moments --galaxies 20000 --snr-min 10 --shear 0.03 --seed 1 "
@@ -143,8 +143,10 @@ def bias(
     overwrite: Overwrite = False,
 ) -> None:
     """Measure m and c of an estimator, on galaxies alone or in a crowd, behind opposite shears with the same noise."""
-    from uvshear.calibration.experiment import calibrate
+    from uvshear.bias.experiment import calibrate
+    from uvshear.bias.survey import Survey, calibrate_crowded
     from uvshear.constants import ARCSEC, MICROJANSKY
+    from uvshear.extraction import MeasurementOptions
     from uvshear.geometry.directions import PhaseCentre
     from uvshear.interferometer.coverage import Track
     from uvshear.interferometer.layout import load_layout
@@ -152,10 +154,8 @@ def bias(
     from uvshear.interferometer.spectral_window import Channels
     from uvshear.io.outputs import check_file, write_json
     from uvshear.io.population import population_record
-    from uvshear.measurement import MeasurementOptions
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
     from uvshear.simulation.noise_level import GalaxyNoise
-    from uvshear.trials import Survey, calibrate_crowded
 
     check_file(output, overwrite=overwrite, inputs=[Path(prior)])
     is_measured, is_averaged = selection is SelectionName.MEASURED, facet is FacetName.CELL_AVERAGE

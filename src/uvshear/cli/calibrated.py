@@ -10,8 +10,8 @@ from uvshear.cli.priors import PAPER, Prior
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
-    from uvshear.calibration.crowded import FieldEstimator
-    from uvshear.calibration.estimators import Estimator
+    from uvshear.bias.crowded import FieldEstimator
+    from uvshear.bias.estimators import Estimator
 
 
 class WrappedName(StrEnum):
@@ -76,7 +76,7 @@ def estimator_of(
     snr_min: float | None,
 ) -> "Estimator":
     """Return the estimator of a name; with an ``snr_min``, of galaxies whose fitted SNR is no less."""
-    from uvshear.calibration.estimators import (
+    from uvshear.bias.estimators import (
         BayesianEstimator,
         MeanEstimator,
         MetacalEstimator,
@@ -100,7 +100,7 @@ def estimator_of(
 
 def field_estimator_of(name: EstimatorName, prior: Prior, seed: int) -> "FieldEstimator":
     """Return the estimator of a name for galaxies of a field."""
-    from uvshear.calibration.crowded import (
+    from uvshear.bias.crowded import (
         FieldBayesian,
         FieldMean,
         FieldMetacal,

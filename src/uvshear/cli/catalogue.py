@@ -79,8 +79,8 @@ def catalogue(
     from uvshear.io.catalogue import catalogue_from_galaxies, write_catalogue
     from uvshear.io.outputs import check_file
     from uvshear.io.tables import check_table_name
-    from uvshear.simulation.field import DiscField, SquareField
     from uvshear.simulation.population import Population, draw_population, expected_number
+    from uvshear.simulation.sky_region import DiscField, SquareField
 
     check_table_name(output)
     check_file(output, overwrite=overwrite)

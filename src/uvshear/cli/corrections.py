@@ -12,7 +12,7 @@ from uvshear.cli.terminal import warn
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
-    from uvshear.shear.calibration import Calibration
+    from uvshear.estimators.correction import Calibration
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from uvshear.cli.terminal import say, show_table
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
-    from uvshear.shear.slope import Slope
+    from uvshear.diagnostics.slope import Slope
 
 EPILOG = "Example: uvshear demo my-demo"
 
@@ -110,12 +110,12 @@ def _compare(directory: Path, overwrite: bool) -> None:
     import numpy as np
     from astropy.table import Table
 
+    from uvshear.diagnostics.slope import fit_slope
     from uvshear.geometry.directions import PhaseCentre
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.shapes import inside, read_shapes
     from uvshear.io.tables import write_table
     from uvshear.plot import draw_ellipticities, draw_residuals, draw_shear, save
-    from uvshear.shear.slope import fit_slope
     from uvshear.simulation.lensing import shear_galaxies
 
     centre = PhaseCentre(0.0, float(np.radians(-30.0)))

@@ -8,9 +8,9 @@ from uvshear.cli.names import FacetName
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
+    from uvshear.extraction import Extraction
+    from uvshear.extraction.keep import Statistic
     from uvshear.galaxy import Profile
-    from uvshear.measurement import Extraction
-    from uvshear.measurement.keep import Statistic
 
 
 class ExtractionName(StrEnum):
@@ -44,7 +44,7 @@ def extraction_of(
 
 
 def _converged(facet_size: float | None, uv_min: float | None) -> "Extraction":
-    from uvshear.measurement import ConvergedExtraction
+    from uvshear.extraction import ConvergedExtraction
 
     # A shortest baseline that is asked for, 0 too, is taken at its word.
     usual = ConvergedExtraction()
@@ -55,9 +55,9 @@ def _converged(facet_size: float | None, uv_min: float | None) -> "Extraction":
 
 
 def _paper(facet: FacetName, facet_size: float | None, rounds: int) -> "Extraction":
-    from uvshear.extraction.cell_average import CellAverageFacets, PaperTable, ScaleLengths
-    from uvshear.extraction.exact import ExactFacets
-    from uvshear.measurement import PaperExtraction
+    from uvshear.extraction import PaperExtraction
+    from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable, ScaleLengths
+    from uvshear.extraction.paper.exact import ExactFacets
 
     if facet is FacetName.EXACT:
         exact = ExactFacets() if facet_size is None else ExactFacets(facet_size)
@@ -70,8 +70,8 @@ def statistics_of(
     keep: str | None, extraction: ExtractionName, profile: "Profile"
 ) -> "tuple[Statistic, ...]":
     """Return the statistics of names joined by commas; likelihoods are of the ``profile``."""
-    from uvshear.measurement.keep import LikelihoodStatistic, MomentStatistic
-    from uvshear.measurement.metacal import MetacalStatistic
+    from uvshear.extraction.keep import LikelihoodStatistic, MomentStatistic
+    from uvshear.extraction.metacal import MetacalStatistic
 
     if keep is None:
         return ()

@@ -40,8 +40,8 @@ def info(
     conjugate: ConjugateOption = False,
 ) -> None:
     """Print what a Measurement Set holds: array, fields, frequencies, flags, uv range, noise against the weights."""
+    from uvshear.io.data_warnings import remarks_on
     from uvshear.io.inspection import inspect
-    from uvshear.io.remarks import remarks_on
 
     reading = reading_of(column, field, scans, conjugates=conjugate, subtracted=subtract)
     for path in measurement_sets:

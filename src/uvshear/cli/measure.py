@@ -48,7 +48,7 @@ from uvshear.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from uvshear.extraction.residual_image import DirtyAndResidual
+    from uvshear.diagnostics.residual_image import DirtyAndResidual
     from uvshear.galaxy import SizeModel
     from uvshear.interferometer.visibilities import Observation
     from uvshear.io.catalogue import Catalogue
@@ -218,15 +218,15 @@ def measure(
         )
 
     from uvshear.constants import ARCSEC
+    from uvshear.extraction import MeasurementOptions
+    from uvshear.extraction.options import half_of_memory
+    from uvshear.extraction.residual_image import image_residual
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.images import write_residual_image
     from uvshear.io.outputs import check_file
     from uvshear.io.shapes import write_shapes
     from uvshear.io.statistics import keep_statistics, statistics_path
     from uvshear.io.tables import check_table_name
-    from uvshear.measurement import MeasurementOptions
-    from uvshear.measurement.options import half_of_memory
-    from uvshear.measurement.residual_image import image_residual
     from uvshear.pipeline import extract, tabulate
 
     check_table_name(output)
@@ -308,8 +308,8 @@ def size_of(name: SizePriorName, sources: "Catalogue", path: Path) -> "SizeModel
 
 def tell_remarks(paths: list[Path], reading: "Reading", noise: NoiseName) -> None:
     """Say what a user should know of sets that are measured all the same."""
+    from uvshear.io.data_warnings import remarks_on
     from uvshear.io.inspection import inspect
-    from uvshear.io.remarks import remarks_on
 
     for path in paths:
         for content in inspect(path, reading).fields:

@@ -13,7 +13,7 @@ from uvshear.errors import InputError
 from uvshear.io.provenance import Provenance
 
 if TYPE_CHECKING:
-    from uvshear.extraction.facets import UvRange
+    from uvshear.interferometer.uv_range import UvRange
 
 Pair = tuple[float, float]
 
@@ -145,7 +145,7 @@ def provenance(context: typer.Context, *inputs: Path) -> Provenance:
 
 def uv_range_of(uv_min: float, uv_max: float | None) -> "UvRange":
     """Check the two options of the uv range against one another."""
-    from uvshear.extraction.facets import UvRange
+    from uvshear.interferometer.uv_range import UvRange
 
     if uv_max is not None and uv_min >= uv_max:
         raise InputError(f"--uv-min {uv_min:g} --uv-max {uv_max:g}: uv-min < uv-max is needed")

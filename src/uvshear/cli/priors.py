@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Self
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
-    from uvshear.shear.bayesian import UnlensedPopulation
+    from uvshear.estimators.evidence import UnlensedPopulation
 
 PAPER, FITTED, FILE = "paper", "fitted", "file"
 METAVAR = f"{PAPER}|{FITTED}|FILE"
@@ -32,8 +32,8 @@ class Prior:
     @classmethod
     def from_option(cls, name: str) -> Self:
         """Read it, if it is a file."""
+        from uvshear.estimators.evidence import UnlensedPopulation
         from uvshear.io.population import read_population
-        from uvshear.shear.bayesian import UnlensedPopulation
 
         if name in (PAPER, FITTED):
             return cls(name, UnlensedPopulation())

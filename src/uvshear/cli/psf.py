@@ -117,8 +117,8 @@ def psf(
     disc = scale_length_arcsec or 1.0
 
     from uvshear.constants import ARCSEC
-    from uvshear.extraction.psf import point_spread_function, sample_coverage
-    from uvshear.extraction.weighting_loss import weighting_loss
+    from uvshear.diagnostics.psf import point_spread_function, sample_coverage
+    from uvshear.diagnostics.weighting_loss import weighting_loss
     from uvshear.galaxy import Exponential
     from uvshear.imaging import ImageGrid
     from uvshear.interferometer.baseline_map import BaselineMap

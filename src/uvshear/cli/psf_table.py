@@ -9,7 +9,7 @@ from uvshear.cli.terminal import warn
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
-    from uvshear.extraction.weighting_loss import WeightingLoss
+    from uvshear.diagnostics.weighting_loss import WeightingLoss
     from uvshear.interferometer.psf_shape import MainLobe, PsfShape
     from uvshear.typing import Array, Float
 

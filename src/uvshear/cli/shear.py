@@ -18,9 +18,9 @@ from uvshear.errors import InputError
 if TYPE_CHECKING:
     from astropy.table import Table
 
+    from uvshear.estimators.estimator import BayesianShear, ShearEstimator
+    from uvshear.estimators.mean import ShearEstimate
     from uvshear.io.population import PopulationRecord
-    from uvshear.shear.estimator import BayesianShear, ShearEstimator
-    from uvshear.shear.mean import ShearEstimate
     from uvshear.typing import Array, Bool
 
 EPILOG = "Example: uvshear shear SHAPES.fits --snr-min 10 -o SHEAR.json"
@@ -62,13 +62,13 @@ def shear(
 ) -> None:
     """Estimate the shear: mean ellipticity (errors by 1000 bootstraps), moments or likelihoods (by a jackknife)."""
     from uvshear.constants import MICROJANSKY
+    from uvshear.estimators.estimator import BayesianShear, by_flux
     from uvshear.io.calibration import read_calibration
     from uvshear.io.outputs import check_file, write_json
     from uvshear.io.population import population_record
     from uvshear.io.shapes import averages_cells, inside, read_shapes
     from uvshear.pipeline import selected
     from uvshear.progress import Meter
-    from uvshear.shear.estimator import BayesianShear, by_flux
 
     if output is not None:
         inputs = [shapes, Path(prior), *([] if calibration is None else [calibration])]
@@ -114,11 +114,11 @@ def shear(
 
 
 def _method(name: EstimatorName, shapes: Path, table: "Table", seed: int) -> "ShearEstimator":
+    from uvshear.estimators.packing import PACKED
+    from uvshear.extraction.keep import MomentStatistic
+    from uvshear.extraction.metacal import MetacalStatistic
     from uvshear.io.statistics import read_statistics
-    from uvshear.measurement.keep import MomentStatistic
-    from uvshear.measurement.metacal import MetacalStatistic
     from uvshear.pipeline import bayesian_shear, mean_shear, metacal_shear, moment_shear
-    from uvshear.shear.packing import PACKED
 
     if name is EstimatorName.MOMENTS:
         kept = read_statistics(shapes, table, MomentStatistic.columns, "moments")

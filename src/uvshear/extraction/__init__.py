@@ -1,6 +1,25 @@
-"""What belongs to one source, cut out of the visibilities of all.
+"""Source extraction: the sources of a field told apart and measured, by one algorithm a folder.
 
-``schedule`` says which sources may be worked on side by side, ``visit`` reads the visibilities once, subtracts
-everything modelled and feeds the facets. A way of making facets is one module: ``exact`` (dirty cutout and dirty
-beam), ``cell_average`` (Rivi & Miller 2018), both behind ``facets``. Nothing here knows how a facet is fitted.
+``field`` is what there is to measure, ``model`` what is believed of it, ``options`` how it is measured. ``extraction`` is
+the protocol that every algorithm follows: ``converged`` subtracts all sources from one another until their sky no longer
+changes, ``paper`` takes one source after the other, as Rivi & Miller 2018.
 """
+
+from uvshear.extraction.converged import ConvergedExtraction
+from uvshear.extraction.extraction import Extracted, Extraction, Setting
+from uvshear.extraction.field import Field
+from uvshear.extraction.model import Model
+from uvshear.extraction.options import MeasurementOptions, Method
+from uvshear.extraction.paper import PaperExtraction
+
+__all__ = [
+    "ConvergedExtraction",
+    "Extracted",
+    "Extraction",
+    "Field",
+    "MeasurementOptions",
+    "Method",
+    "Model",
+    "PaperExtraction",
+    "Setting",
+]

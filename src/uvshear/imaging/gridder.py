@@ -3,6 +3,7 @@
 import ducc0
 import numpy as np
 
+from uvshear.execution import SERIAL, Executor
 from uvshear.imaging.grid import ImageGrid
 from uvshear.typing import Array, Bool, Complex, Float
 
@@ -17,7 +18,7 @@ def dirty_image(
     with_w: bool = True,
     mask: Bool[Array, "row chan"] | None = None,
     epsilon: float = 1e-5,
-    threads: int = 1,
+    executor: Executor = SERIAL,
 ) -> Float[Array, "l m"]:
     r"""Natural-weight dirty image, not divided by the sum of weights [Jy^-1 for visibilities in Jy].
 
@@ -48,5 +49,5 @@ def dirty_image(
         epsilon=epsilon,
         do_wgridding=with_w,
         divide_by_n=False,
-        nthreads=threads,
+        nthreads=executor.workers,
     )

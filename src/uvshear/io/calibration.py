@@ -5,8 +5,8 @@ from pathlib import Path
 
 from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
+from uvshear.estimators.correction import Calibration, Component, Pair
 from uvshear.io.records import finite, read_record
-from uvshear.shear.calibration import Calibration, Component, Pair
 
 _AS_MEASURED = {"wraps": "mean", "legacy_shear": False, "position_error_arcsec": 0.0}
 """What a bias has in common with every table of shapes."""

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from astropy.io import fits
 
+from uvshear.diagnostics.residual_image import DirtyAndResidual, root_mean_square
 from uvshear.errors import InputError
-from uvshear.extraction.residual_image import DirtyAndResidual, root_mean_square
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.imaging import ImageGrid
 from uvshear.io.outputs import new_file

@@ -11,6 +11,7 @@ import numpy as np
 from casacore import tables
 
 from uvshear.errors import InputError
+from uvshear.execution import SERIAL, Executor
 from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.stokes import Hands
 from uvshear.io.measurement_set_subtables import write_subtables
@@ -42,7 +43,7 @@ def write_measurement_set(
     observation: SimulatedObservation,
     *,
     overwrite: bool = False,
-    threads: int = 1,
+    executor: Executor = SERIAL,
     hands: Hands = Hands.LINEAR,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
@@ -56,7 +57,7 @@ def write_measurement_set(
         What to simulate.
     overwrite
         Replace a Measurement Set that is there.
-    threads
+    executor
         For the prediction.
     hands
         Kind of feed.
@@ -69,7 +70,7 @@ def write_measurement_set(
         _create(unfinished, observation)
         write_subtables(unfinished, observation, hands)
         with tables.table(str(unfinished), readonly=False, ack=False) as main:
-            for block in observation.blocks(threads):
+            for block in observation.blocks(executor):
                 _write_block(main, observation.coverage, block)
                 if progress is not None:
                     progress(block.first_row + len(block), len(observation.coverage))

@@ -17,10 +17,10 @@ from typing import TypeAlias
 
 from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
+from uvshear.estimators.evidence import UnlensedPopulation
+from uvshear.estimators.population_fit import FittedPopulation
 from uvshear.galaxy import DiscEllipticityPrior
 from uvshear.io.records import finite, read_record
-from uvshear.shear.bayesian import UnlensedPopulation
-from uvshear.shear.hierarchy import FittedPopulation
 
 _FIELDS = {
     "flux": {"index": "index", "minimum_ujy": "minimum", "maximum_ujy": "maximum"},

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+from uvshear.diagnostics.slope import Slope
 from uvshear.plot.figure import BLUE, GREY, ORANGE, new_figure
-from uvshear.shear.slope import Slope
 from uvshear.typing import Array
 
 

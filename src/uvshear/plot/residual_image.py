@@ -5,7 +5,7 @@ from matplotlib.colors import AsinhNorm
 from matplotlib.figure import Figure
 
 from uvshear.constants import ARCMIN, MICROJANSKY
-from uvshear.extraction.residual_image import DirtyAndResidual, root_mean_square
+from uvshear.diagnostics.residual_image import DirtyAndResidual, root_mean_square
 from uvshear.plot.figure import new_figure
 
 LEAST = 5.0

@@ -1,12 +1,12 @@
 """Visibilities of galaxies by the exact direct sum over sources."""
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
+from uvshear.execution import SERIAL, Executor
 from uvshear.galaxy import Exponential, Galaxies, Profile
 from uvshear.geometry.directions import n_minus_one
 from uvshear.geometry.ellipticity import quadratic_form
@@ -15,8 +15,8 @@ from uvshear.predict.losses import Losses
 from uvshear.typing import Array, Complex, Float
 
 SLAB = 32768
-"""Rows to a slab: below that the interpreter between kernels costs more than the caches save, and two threads
-gain nothing."""
+"""Rows to a slab: below that the interpreter between kernels costs more than the caches save, and a second worker
+gains nothing."""
 
 
 def predict_visibilities(
@@ -24,7 +24,7 @@ def predict_visibilities(
     uvw: Float[Array, "row 3"],
     frequency: Float[Array, " chan"],
     profile: Profile | None = None,
-    threads: int = 1,
+    executor: Executor = SERIAL,
     losses: Losses | None = None,
 ) -> Complex[Array, "row chan"]:
     r"""Visibilities of all galaxies together [Jy].
@@ -34,7 +34,7 @@ def predict_visibilities(
 
     The shift of (u, v) in the envelope is the first order of w (n - 1) across the galaxy; the next order
     is w x^2/2 turns at distance x, 6e-4 at 10 arcsec for w = 5e5 wavelengths. Each slab of rows is summed
-    over sources in the same order whatever the threads, so results do not depend on them.
+    over sources in the same order, so that results do not depend on the executor.
 
     Parameters
     ----------
@@ -46,8 +46,8 @@ def predict_visibilities(
         Channel centres [Hz].
     profile
         Brightness profile of all of them; exponential unless given.
-    threads
-        Slabs worked on side by side.
+    executor
+        For slabs of rows side by side.
     losses
         By averaging and primary beams, those of each galaxy's centre; none unless given.
 
@@ -69,8 +69,8 @@ def predict_visibilities(
                 factor = partial(losses.attenuation.of, samples)
             vis[rows, chan] = _predict_slab(sky, block, chan, profile, factor)
 
-    with ThreadPoolExecutor(max(threads, 1)) as pool:
-        list(pool.map(fill, range(0, len(uvw), SLAB)))
+    for _ in executor.map(fill, range(0, len(uvw), SLAB)):
+        pass
     return vis
 
 

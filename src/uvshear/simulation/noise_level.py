@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from uvshear.constants import MICROJANSKY, SPECTRAL_INDEX
+from uvshear.execution import SERIAL, Executor
 from uvshear.galaxy import Galaxies, Profile, SizeFluxRelation
 from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.noise import ScaledNoise
@@ -32,7 +33,7 @@ class GalaxyNoise:
     snr: float = 10.0
 
     def scaled_to(
-        self, coverage: Coverage, channels: Channels, profile: Profile, threads: int = 1
+        self, coverage: Coverage, channels: Channels, profile: Profile, executor: Executor = SERIAL
     ) -> ScaledNoise:
         r"""Return the noise that does it on these baselines.
 
@@ -50,6 +51,6 @@ class GalaxyNoise:
         power = 0.0
         for start in range(0, len(coverage), ROWS):
             uvw = coverage.uvw[start : start + ROWS]
-            vis = predict_visibilities(galaxy, uvw, channels.frequency, profile, threads)
+            vis = predict_visibilities(galaxy, uvw, channels.frequency, profile, executor)
             power += float(np.sum(np.abs(vis) ** 2))
         return ScaledNoise(math.sqrt(power) / self.snr)

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from uvshear.execution import SERIAL, Executor
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.profile import Profile
 from uvshear.geometry.directions import PhaseCentre
@@ -65,9 +66,9 @@ class SimulatedObservation:
     noise
         Of the correlations.
     seed
-        Of the noise: the same seed gives the same noise, whatever the number of threads. None adds
+        Of the noise: the same seed gives the same noise, whatever the number of executor. None adds
         no noise, and keeps the weights that it would have had.
-    threads
+    executor
         For :meth:`chunks`, which simulates anew at each reading.
     is_averaged
         Over channels and integrations, as a correlator does; else samples are of one frequency and moment.
@@ -81,7 +82,7 @@ class SimulatedObservation:
     profile: Profile
     noise: Noise
     seed: int | None
-    threads: int = 1
+    executor: Executor = SERIAL
     is_averaged: bool = False
     primary_beam: Attenuation | None = None
 
@@ -100,7 +101,7 @@ class SimulatedObservation:
         """Rows that share a stream of random numbers; a matter of the number of channels alone."""
         return max(1, SAMPLES_PER_SLAB // len(self.channels))
 
-    def blocks(self, threads: int = 1) -> Iterator[CorrelationBlock]:
+    def blocks(self, executor: Executor = SERIAL) -> Iterator[CorrelationBlock]:
         """Simulate the correlations, a block of rows at a time."""
         rows_per_block = SLABS_PER_BLOCK * self.rows_per_slab
         for first_row in range(0, len(self.coverage), rows_per_block):
@@ -111,7 +112,7 @@ class SimulatedObservation:
                 coverage.uvw,
                 self.channels.frequency,
                 self.profile,
-                threads,
+                executor,
                 self._losses(rows),
             )
             sigma = self.noise.correlation_sigma(coverage, self.channels).astype(np.float32)
@@ -122,7 +123,7 @@ class SimulatedObservation:
 
     def chunks(self) -> Iterator[Visibilities]:
         """Simulate Stokes I, as it would be read from the Measurement Set."""
-        for block in self.blocks(self.threads):
+        for block in self.blocks(self.executor):
             rows = slice(block.first_row, block.first_row + len(block))
             combined = stokes_i(
                 block.correlations,

@@ -10,7 +10,7 @@ from uvshear.galaxy.ellipticity_prior import DiscEllipticityPrior, EllipticityPr
 from uvshear.galaxy.flux import PowerLawFlux
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.size import SizeFluxRelation
-from uvshear.simulation.field import Field
+from uvshear.simulation.sky_region import Field
 
 PAPER_DENSITY = 2.7 / ARCMIN**2
 """Galaxies between 10 and 200 uJy a steradian (Rivi & Miller 2018, section 3)."""

@@ -1,0 +1,118 @@
+r"""The population fitted to the very galaxies that are lensed: how large, how scattered in size, how elliptical.
+
+With theta = the intercept of the size-flux relation, the logarithms of its scatter and of the two scales of the
+ellipticities' distribution, each galaxy's evidence P(D|g, theta) is that of ``shear.bayesian``. Few galaxies do not
+tell all of it (of a hundred, how round the roundest are), so theta has a prior, a normal one about where it starts: a
+population is taken to be like the first guess within a factor of e. The sum of all logarithms is climbed by steps
+
+.. math::
+    \delta\theta = C\,\Big(\sum s_i - \frac{\theta - \theta_0}{w^2}\Big),\quad
+    C = \Big(\sum s_i s_i^T + w^{-2}\Big)^{-1},\quad s_i = \nabla_\theta \ln P(D_i|g, \theta)
+
+(the matrix is that of Berndt, Hall, Hall & Hausman 1974, positive by construction); C at the end is the covariance of
+theta.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from uvshear.errors import InputError
+from uvshear.estimators.evidence import ShapeLikelihood, UnlensedPopulation, evidence_and_gradient
+from uvshear.galaxy import DiscEllipticityPrior
+from uvshear.progress import Meter
+from uvshear.typing import Array, Float
+
+LIKENESS = 1.0
+"""w: standard deviation of each parameter about the first guess, in its logarithm."""
+
+DIFFERENCE = 0.03
+"""Of an ellipticity's parameter, to either side, for the gradient."""
+
+LONGEST = 0.4
+"""Step of a parameter at most."""
+
+_ROUNDS, _FORESEEN = 20, 6
+"""At most, and as a rule."""
+
+_TOLERANCE = 0.1
+"""Step over its error at which the climb ends."""
+
+
+@dataclass(frozen=True)
+class FittedPopulation:
+    """A population, and the covariance of what was fitted of it, in the order of ``moved``'s parameters."""
+
+    population: UnlensedPopulation
+    covariance: Float[Array, "parameter parameter"]
+
+
+def moved(population: UnlensedPopulation, step: Float[Array, " parameter"]) -> UnlensedPopulation:
+    """Take a step in ln of the size, of its scatter, and of the two scales of the ellipticities if they have them."""
+    size = replace(
+        population.size,
+        intercept=population.size.intercept + float(step[0]),
+        sigma=population.size.sigma * math.exp(step[1]),
+    )
+    ellipticity = population.ellipticity
+    if isinstance(ellipticity, DiscEllipticityPrior):
+        ellipticity = replace(
+            ellipticity,
+            c=ellipticity.c * math.exp(step[2]),
+            e0=ellipticity.e0 * math.exp(step[3]),
+        )
+    return replace(population, size=size, ellipticity=ellipticity)
+
+
+def fit_population(
+    likelihoods: Sequence[ShapeLikelihood],
+    start: UnlensedPopulation,
+    about: complex,
+    meter: Meter | None = None,
+) -> FittedPopulation:
+    """Fit size and ellipticity of the population to galaxies behind the shear ``about``.
+
+    An ellipticity prior of another kind than ``DiscEllipticityPrior`` stays as it is. The meter counts galaxies.
+    """
+    count = 4 if isinstance(start.ellipticity, DiscEllipticityPrior) else 2
+    if len(likelihoods) < 10 * count:
+        raise InputError(
+            f"{len(likelihoods)} galaxies: a population is fitted to {10 * count} or more"
+        )
+    meter = meter or Meter(None)
+    meter.expect(_FORESEEN * len(likelihoods))
+    theta = np.zeros(count)
+    for _ in range(_ROUNDS):
+        scores = _scores(likelihoods, moved(start, theta), about, count, meter)
+        covariance = np.linalg.inv(scores.T @ scores + np.eye(count) / LIKENESS**2)
+        step = covariance @ (scores.sum(axis=0) - theta / LIKENESS**2)
+        is_there = bool(np.all(np.abs(step) < _TOLERANCE * np.sqrt(np.diag(covariance))))
+        theta = theta + step * min(1.0, LONGEST / float(np.abs(step).max()))
+        if is_there:
+            return FittedPopulation(moved(start, theta), covariance)
+    raise InputError(
+        f"no population was found in {_ROUNDS} steps: galaxies of another kind, or too few"
+    )
+
+
+def _scores(
+    likelihoods: Sequence[ShapeLikelihood],
+    population: UnlensedPopulation,
+    about: complex,
+    count: int,
+    meter: Meter,
+) -> Float[Array, "galaxy parameter"]:
+    """Gradient of each galaxy's log evidence; zero where the population has no such galaxy."""
+    # Those of the size are known without differences.
+    steps = DIFFERENCE * np.eye(count)[2:]
+    sides = [
+        (moved(population, step).ellipticity, moved(population, -step).ellipticity)
+        for step in steps
+    ]
+    scores = np.empty((len(likelihoods), count))
+    for score, one in zip(scores, likelihoods, strict=True):
+        _, score[:] = evidence_and_gradient(one, population, about, sides, 2 * DIFFERENCE)
+        meter.add()
+    return scores

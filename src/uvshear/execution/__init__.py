@@ -1,0 +1,30 @@
+"""The one seam for work side by side: no other room names a pool or counts threads.
+
+An ``Executor`` runs tasks and gives their results in order. ``Serial``, ``Threads`` and ``Processes`` are executors;
+another one needs the methods of ``executor`` and nothing else. Whoever has work takes an executor as an argument,
+``SERIAL`` unless given.
+"""
+
+from uvshear.execution.cores import available_cores, in_processes, in_threads
+from uvshear.execution.executor import Executor
+from uvshear.execution.libraries import single_threaded_libraries
+from uvshear.execution.processes import Processes
+from uvshear.execution.resources import Resources
+from uvshear.execution.serial import Serial
+from uvshear.execution.threads import Threads
+
+SERIAL = Serial()
+"""The executor of whoever gives no other."""
+
+__all__ = [
+    "SERIAL",
+    "Executor",
+    "Processes",
+    "Resources",
+    "Serial",
+    "Threads",
+    "available_cores",
+    "in_processes",
+    "in_threads",
+    "single_threaded_libraries",
+]

@@ -1,0 +1,25 @@
+"""How many cores there are, and the executors that take them."""
+
+import os
+
+from uvshear.execution.executor import Executor
+from uvshear.execution.processes import Processes
+from uvshear.execution.serial import Serial
+from uvshear.execution.threads import Threads
+
+
+def available_cores() -> int:
+    """Count the cores that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def in_threads(count: int = 0) -> Executor:
+    """Return an executor of so many threads; 0 takes all cores."""
+    count = count or available_cores()
+    return Threads(count) if count > 1 else Serial()
+
+
+def in_processes(count: int = 0) -> Executor:
+    """Return an executor of so many processes; 0 takes all cores."""
+    count = count or available_cores()
+    return Processes(count) if count > 1 else Serial()

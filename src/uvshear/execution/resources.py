@@ -1,0 +1,33 @@
+"""What a computation may use of a machine."""
+
+import os
+from dataclasses import dataclass, field
+
+from uvshear.errors import InputError
+from uvshear.execution.cores import in_threads
+from uvshear.execution.executor import Executor
+
+
+def half_of_memory() -> float:
+    """Half of the machine's memory [bytes]."""
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2
+
+
+@dataclass(frozen=True)
+class Resources:
+    """Workers and memory. Results do not depend on them.
+
+    Parameters
+    ----------
+    executor
+        Runs what can be done side by side; threads on all cores unless given.
+    memory
+        Bytes that may be taken to keep what would be worked out again; half of the machine's memory unless given.
+    """
+
+    executor: Executor = field(default_factory=in_threads)
+    memory: float = field(default_factory=half_of_memory)
+
+    def __post_init__(self) -> None:
+        if not self.memory > 0:
+            raise InputError(f"memory of {self.memory:g} bytes; more than 0 are needed")

@@ -1,0 +1,29 @@
+"""One task after the other."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+from uvshear.execution.executor import Executor, Result, Shared, Task
+
+
+@dataclass(frozen=True)
+class Serial(Executor):
+    """Runs every task in the thread that asks for it."""
+
+    @property
+    def workers(self) -> int:
+        """One."""
+        return 1
+
+    def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
+        """Yield the results one by one, each worked out when it is asked for."""
+        return map(function, tasks)
+
+    def distribute(
+        self,
+        function: Callable[[Shared, Task], Result],
+        shared: Shared,
+        tasks: Iterable[Task],
+    ) -> Iterator[Result]:
+        """Yield the results one by one, each worked out when it is asked for."""
+        return (function(shared, task) for task in tasks)

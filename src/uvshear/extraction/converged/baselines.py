@@ -1,0 +1,69 @@
+"""Which baselines take part in the measurement of a field."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.extraction.converged.plan import SMALL
+from uvshear.extraction.field import Field
+from uvshear.typing import Array, Bool, Float
+
+LARGE = 0.37
+"""Shortest baseline times 2 pi times a scale length two sigma above the prior's median. The information on the
+ellipticity of a disc grows with the fourth power of the baseline there: for SKA-Mid 3000 wavelengths, below which are
+a third of the visibilities."""
+
+LARGE_PERCENTILE = 99.0
+"""Of the galaxies' sizes, the one that counts as large."""
+
+MOST_LEFT_OUT = 1 / 50
+"""Shortest baseline over the longest at most, where an array hardly resolves its galaxies."""
+
+
+@dataclass(frozen=True)
+class Baselines:
+    """Lengths of the baselines that take part [wavelengths].
+
+    Parameters
+    ----------
+    shortest, longest
+        Of all that are used.
+    finest
+        That the pixels could carry, for the interaction of galaxies that the array does not resolve.
+    uv_max
+        Longest that tells anything of each source.
+    """
+
+    shortest: float
+    longest: float
+    finest: float
+    uv_max: Float[Array, " source"]
+
+    @classmethod
+    def of(
+        cls, field: Field, is_galaxy: Bool[Array, " source"], shortest: float | None
+    ) -> "Baselines":
+        """Choose for the modelled sources of a field; ``shortest`` is found from their sizes unless given.
+
+        The short baselines of an array with a dense core give the beam a plateau of arcminutes. It tells hardly
+        anything of shapes but couples the fluxes of all sources on it, so that they settle slowly if at all.
+        """
+        size, members = field.size, field.modelled
+        median, sigma = size.log_median[members], size.sigma[members]
+        uv_max = np.where(is_galaxy, SMALL / np.exp(median - 2 * sigma), 0.0)
+        longest_informative = float(uv_max.max()) if is_galaxy.any() else math.inf
+        informative = np.where(is_galaxy, uv_max, longest_informative)
+        used = np.minimum(informative, field.uv_range.maximum)
+        longest = float(used.max()) * (1 + 1e-9)
+        if shortest is None:
+            shortest = 0.0
+            if is_galaxy.any():
+                large = float(np.percentile((median + 2 * sigma)[is_galaxy], LARGE_PERCENTILE))
+                shortest = min(LARGE / (2 * math.pi * math.exp(large)), MOST_LEFT_OUT * longest)
+        return cls(
+            shortest=max(shortest, field.uv_range.minimum),
+            longest=longest,
+            finest=min(float(informative.max()) * (1 + 1e-9), 2 * longest),
+            uv_max=used,
+        )

@@ -1,0 +1,141 @@
+"""A facet against templates: the sums over cells from which every likelihood is made.
+
+Here positions count in units of the correlator's ``length``, fluxes in units of its ``flux_unit``.
+"""
+
+import math
+
+import numpy as np
+
+from uvshear.galaxy import Profile
+from uvshear.geometry.ellipticity import (
+    quadratic_form,
+    quadratic_form_derivatives,
+    quadratic_form_of,
+)
+from uvshear.interferometer.facet import Facet
+from uvshear.shapes import kernels
+from uvshear.typing import Array, Complex, Float
+
+BLOCK = kernels.BLOCK
+"""Cells to a block of the matrix product."""
+
+CHUNK = 8 * BLOCK
+"""Cells whose templates are made at a time: those of a batch stay in the second-level cache."""
+
+TEMPLATES = 48
+"""Templates to a batch."""
+
+
+class Correlator:
+    """One facet in the units of its fit, with work space; not to be shared between executor.
+
+    uv is divided by its largest value, weighted data by the square root of the total power, so that the
+    numbers are of order one and fit float32, the default ``dtype``: twice as fast as float64.
+    """
+
+    def __init__(
+        self, facet: Facet, profile: Profile, dtype: type[np.floating] = np.float32
+    ) -> None:
+        uv_max = float(np.max(np.abs(facet.uv)))
+        total = float(np.sum(facet.power))
+        self.length = 1 / (2 * math.pi * uv_max)
+        self.flux_unit = 1 / math.sqrt(total)
+        self.profile = profile
+        self.xy = np.ascontiguousarray((facet.uv / uv_max).T, dtype)
+        self.power = (facet.power / total).astype(dtype)
+        self._x, self._y = self.xy
+        self._displace = kernels.displace_single if dtype is np.float32 else kernels.displace
+        correlation = facet.correlation / math.sqrt(total)
+        self._origin = (
+            np.ascontiguousarray(correlation.real, dtype),
+            np.ascontiguousarray(correlation.imag, dtype),
+        )
+        self._centred = self._origin
+        self._q = np.empty(self._x.size, dtype)
+        self.centre = np.zeros(2)
+
+    def move_to(self, centre: Float[Array, " 2"]) -> None:
+        """Put the origin of positions at ``centre`` (from the facet's centre, in units of ``length``)."""
+        real, imaginary = np.empty_like(self._q), np.empty_like(self._q)
+        self._displace(self._x, self._y, centre[0], centre[1], *self._origin, real, imaginary)
+        self._centred = (real, imaginary)
+        self.centre = np.array(centre, float)
+
+    def form(self, ellipticity: complex, log_scale_length: float) -> Float[Array, " 3"]:
+        """Coefficients of q = 4 pi^2 alpha^2 |A^-T k|^2 in the scaled uv."""
+        return quadratic_form_of(ellipticity, math.exp(log_scale_length) / self.length)
+
+    def form_derivatives(
+        self, ellipticity: complex, log_scale_length: float
+    ) -> Float[Array, "3 3"]:
+        """Differentiate :meth:`form` by e1, e2 and ln alpha, a row each."""
+        return quadratic_form_derivatives(ellipticity, math.exp(log_scale_length) / self.length)
+
+    def envelope(self, form: Float[Array, " 3"]) -> Float[Array, " cell"]:
+        """Unit-flux Fourier transform of the template on the cells."""
+        kernels.quadratic(self._x, self._y, form, self._q)
+        return self.profile.envelope(self._q)
+
+    def displaced_to(self, nodes: Float[Array, "node 2"]) -> Float[Array, "node cell"]:
+        """Real part of the data with each node (from the present centre) moved to the origin."""
+        real = np.empty((len(nodes), self._q.size), self._q.dtype)
+        imaginary = np.empty_like(self._q)
+        for node, row in zip(nodes, real, strict=True):
+            self._displace(self._x, self._y, node[0], node[1], *self._centred, row, imaginary)
+        return real
+
+    def correlate(
+        self,
+        ellipticity: Complex[Array, " sample"],
+        log_scale_length: Float[Array, " sample"],
+        displaced: Float[Array, "node cell"],
+    ) -> tuple[Float[Array, "sample node"], Float[Array, " sample"]]:
+        """Cross-correlation <d, m> of each template at each node, and its <m, m>.
+
+        A matrix product, templates times displaced data, over blocks of cells: within a block in the
+        correlator's precision, from there on in float64. Blocks are small enough for BLAS to stay on one thread.
+        """
+        size = np.exp(log_scale_length) / self.length
+        forms = np.stack(quadratic_form(ellipticity, size), axis=-1)
+        heights, norm = np.zeros((len(forms), len(displaced))), np.zeros(len(forms))
+        for first in range(0, len(forms), TEMPLATES):
+            batch = slice(first, first + TEMPLATES)
+            for start in range(0, self._q.size, CHUNK):
+                cells = slice(start, start + CHUNK)
+                envelopes = self._envelopes(forms[batch], cells)
+                kernels.add_norms(envelopes, self.power[cells], norm[batch])
+                heights[batch] += _blocked_product(envelopes, displaced[:, cells])
+        return heights, norm
+
+    def _envelopes(
+        self, forms: Float[Array, "sample 3"], cells: slice
+    ) -> Float[Array, "sample cell"]:
+        x, y = self._x[cells], self._y[cells]
+        q = np.empty((len(forms), x.size), x.dtype)
+        kernels.quadratics(x, y, forms, q)
+        return self.profile.envelope(q)
+
+    def normal_sums(
+        self, form: Float[Array, " 3"], derivatives: Float[Array, "3 3"]
+    ) -> Float[Array, " 19"]:
+        """Gauss-Newton sums at the present centre; see the kernel for their order."""
+        envelope = self.envelope(form)
+        slope = self.profile.envelope_slope(self._q)
+        sums = np.empty(19)
+        kernels.normal_sums(
+            envelope, slope, self._x, self._y, derivatives, *self._centred, self.power, sums
+        )
+        return sums
+
+
+def _blocked_product(
+    templates: Float[Array, "sample cell"], data: Float[Array, "node cell"]
+) -> Float[Array, "sample node"]:
+    """Sum templates x data over cells, in their precision over blocks of ``BLOCK`` cells and in float64 across."""
+    whole = templates.shape[1] // BLOCK * BLOCK
+    blocks = [
+        part[:, :whole].reshape(len(part), -1, BLOCK).swapaxes(0, 1) for part in (templates, data)
+    ]
+    product = np.matmul(blocks[0], blocks[1].swapaxes(1, 2)).sum(axis=0, dtype=float)
+    return product + templates[:, whole:] @ data[:, whole:].T

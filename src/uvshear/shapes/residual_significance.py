@@ -1,0 +1,37 @@
+"""Whether noise is what is left around a source."""
+
+import math
+
+import numpy as np
+
+from uvshear.galaxy import Profile
+from uvshear.interferometer.facet import Facet
+from uvshear.shapes.correlator import Correlator
+from uvshear.shapes.maximum import hexagonal_lattice
+
+SIGNIFICANT = 5.5
+"""Standard deviations at which a residual is no noise: 4e-8 of either sign, at a hundred places a source."""
+
+REACH = 6.0
+"""Distance from the source within which residuals are looked at, in scale lengths."""
+
+SPACING = 1.2
+"""Of the places looked at, in scale lengths: a residual between them loses a tenth."""
+
+
+def residual_significance(residual: Facet, profile: Profile, scale_length: float) -> float:
+    """Return the largest residual around a source, of either sign, in standard deviations of the noise.
+
+    The facet has everything subtracted, the source too. With a round galaxy m of ``scale_length`` [rad] at each place
+    x, the significance is <r, m_x> / sqrt<m, m>.
+    """
+    correlator = Correlator(residual, profile)
+    size = scale_length / correlator.length
+    nodes = hexagonal_lattice(REACH * size, SPACING * size)
+    displaced = correlator.displaced_to(nodes)
+    heights, norm = correlator.correlate(
+        np.zeros(1, complex), np.array([math.log(scale_length)]), displaced
+    )
+    if norm[0] <= 0:
+        return 0.0
+    return float(np.max(np.abs(heights[0]))) / math.sqrt(float(norm[0]))

@@ -1,0 +1,43 @@
+"""Likelihoods packed and unpacked."""
+
+import numpy as np
+import pytest
+
+from tests.estimators.test_evidence import POPULATION, Toy
+from uvshear.estimators.evidence import ShapeLikelihood, gradient_and_curvature
+from uvshear.estimators.packing import PACKED, pack, unpack
+
+TOYS = [Toy(0.3 - 0.2j, 0.25), Toy(-0.1 + 0.05j, 0.08), Toy(0.6 + 0.3j, 0.4)]
+
+
+def _with_fluxes(toy):
+    """Fluxes that grow with the size, as a fit finds them."""
+    one = toy.on_lattice()
+    away = one.log_scale_length - one.log_scale_length.mean()
+    flux = 2e-5 * np.exp(0.6 * away) * (1 + 0.1 * np.abs(one.ellipticity) ** 2)
+    variance = (1.5e-6) ** 2 * np.exp(0.8 * away)
+    return ShapeLikelihood(
+        one.point, one.origin, one.axes, one.log_likelihood - 3.0, flux, variance
+    )
+
+
+@pytest.mark.parametrize("toy", TOYS)
+def test_what_is_unpacked_says_the_same_of_the_shear(toy):
+    likelihood = _with_fluxes(toy)
+    packed = pack(likelihood)
+    assert tuple(packed) == PACKED
+    again = unpack(packed)
+    assert len(again.point) == len(likelihood.point)
+    q, h = gradient_and_curvature(likelihood, POPULATION, 0.02 + 0.01j)
+    got_q, got_h = gradient_and_curvature(again, POPULATION, 0.02 + 0.01j)
+    scale = np.sqrt(np.trace(h) / 2)
+    np.testing.assert_allclose(got_q, q, rtol=0, atol=3e-3 * scale)
+    np.testing.assert_allclose(got_h, h, rtol=0, atol=5e-3 * scale**2)
+
+
+def test_packed_it_takes_a_few_kilobytes():
+    likelihood = _with_fluxes(TOYS[0])
+    size = sum(array.nbytes for array in pack(likelihood).values())
+    # of the broadest; the average galaxy has 1500 points
+    assert len(likelihood.point) > 2000
+    assert size < 3.2 * len(likelihood.point) + 500

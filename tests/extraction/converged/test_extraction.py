@@ -1,0 +1,184 @@
+"""All sources of a field together: what the catalogue has right, and what it has wrong."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.skies import galaxies, vla
+from uvshear.constants import ARCMIN, ARCSEC
+from uvshear.execution import in_threads
+from uvshear.extraction import ConvergedExtraction, MeasurementOptions, converged, residual
+from uvshear.galaxy import CatalogueSize
+from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
+from uvshear.io.catalogue import catalogue_from_galaxies
+from uvshear.pipeline import measure
+from uvshear.predict import predict_visibilities
+
+FREQUENCY = np.array([1.35e9, 1.45e9])
+SIGMA = 1e-4
+OPTIONS = MeasurementOptions(size=CatalogueSize(), extraction=ConvergedExtraction())
+
+SKY = galaxies(
+    l=np.array([0.0, 1.5, -1.5, -1.0, 2.5, 0.25]) * ARCMIN,
+    m=np.array([0.0, 2.0, 1.0, 1.2, -2.0, 0.05]) * ARCMIN,
+    flux=np.array([1.0, 2.0, 2.0, 0.7, 0.5, 0.6]) * 1e-3,
+    alpha=np.array([2.0, 2.2, 2.5, 1.8, 1.6, 2.0]) * ARCSEC,
+    e=np.array([0.3, 0.1j, -0.2 + 0.4j, -0.3j, 0.1 + 0.2j, -0.3]),
+)
+"""The last stands 15 arcsec from the first: three beams, and seven scale lengths."""
+
+
+@pytest.fixture(scope="module")
+def array():
+    return vla("b", samples=6)
+
+
+def _observe(sky, array, seed=3, sigma=SIGMA):
+    uvw, centre = array
+    vis = predict_visibilities(sky, uvw, FREQUENCY)
+    noise = np.random.default_rng(seed).normal(size=(2, *vis.shape))
+    vis += sigma * (noise[0] + 1j * noise[1])
+    weights = np.full(vis.shape, sigma**-2)
+    return VisibilitySet(centre, (Visibilities(uvw, FREQUENCY, vis, weights),))
+
+
+def _joined(first, second):
+    names = ("l", "m", "flux", "scale_length", "ellipticity", "spectral_index")
+    pairs = {n: np.concatenate([getattr(first, n), getattr(second, n)]) for n in names}
+    return replace(first, **pairs)
+
+
+def _pulls(shapes, sky):
+    e = sky.ellipticity
+    first = (shapes["e1"] - e.real) / shapes["e1_err"]
+    return np.abs(np.stack([first, (shapes["e2"] - e.imag) / shapes["e2_err"]]))
+
+
+def _flags(shapes):
+    return shapes["flag"].tolist()
+
+
+@pytest.fixture(scope="module")
+def shapes(array):
+    observation = _observe(SKY, array)
+    return measure(observation, catalogue_from_galaxies(SKY, array[1]), OPTIONS)
+
+
+def test_every_galaxy_of_a_field_is_measured_within_its_error(shapes):
+    assert _flags(shapes) == ["ok"] * len(SKY)
+    # 12 numbers; a wrong sign of a neighbour's subtraction is tens of errors
+    assert np.max(_pulls(shapes, SKY)) < 4
+
+
+def test_the_metadata_tell_that_the_sky_has_converged(shapes):
+    record = json.loads(shapes.meta["extract"])
+    assert record["extraction"] == "converged"
+    assert record["visits"] == len(record["rounds"]) == len(record["change_max"])
+    assert record["left_undone"] < OPTIONS.extraction.tolerance
+    assert record["change_max"][-1] < record["change_max"][0]
+
+
+def test_threads_change_no_bit(array, shapes):
+    catalogue = catalogue_from_galaxies(SKY, array[1])
+    again = measure(_observe(SKY, array), catalogue, replace(OPTIONS, executor=in_threads(3)))
+    for name in ("e1", "e2", "e1_err", "flux_fit", "dl"):
+        assert np.array_equal(again[name], shapes[name])
+
+
+def test_memory_changes_nothing_that_matters(array, monkeypatch):
+    """SNR of 155 to 620: differences of log L in single precision would move e by 0.003 of its error."""
+    monkeypatch.setattr(residual, "LEAST_BLOCK", 1000)
+    catalogue = catalogue_from_galaxies(SKY, array[1])
+    observation = _observe(SKY, array, seed=4)
+    chunk = observation.blocks[0]
+    rows = np.array_split(np.arange(len(chunk)), 7)
+    parts = tuple(
+        Visibilities(chunk.uvw[r], FREQUENCY, chunk.stokes_i[r], chunk.weights[r]) for r in rows
+    )
+    assert 2 * len(chunk) > 4 * residual.block_of(1.0)
+    whole = measure(observation, catalogue, OPTIONS)
+    again = measure(VisibilitySet(array[1], parts), catalogue, replace(OPTIONS, memory=1.0))
+    assert whole["snr"].max() > 600
+    for e in ("e1", "e2"):
+        change = np.abs(again[e] - whole[e]) / whole[f"{e}_err"]
+        assert 0 < np.max(change) < 5e-4  # measured 1.4e-4
+
+
+def test_a_source_that_is_there_twice_is_left_out_once(array, shapes):
+    twice = _joined(SKY, replace(SKY.select(np.array([1])), flux=np.array([1e-3])))
+    table = measure(_observe(SKY, array), catalogue_from_galaxies(twice, array[1]), OPTIONS)
+    assert _flags(table) == ["ok"] * len(SKY) + ["duplicate"]
+    assert np.array_equal(table["e1"][:-1], shapes["e1"])
+    assert table["weight"][-1] == 0
+
+
+def test_a_neighbour_that_the_catalogue_lacks_is_told(array):
+    known = SKY.select(np.arange(len(SKY) - 1))
+    near = galaxies(
+        l=known.l[0] + 6 * ARCSEC, m=known.m[0] + 4 * ARCSEC, flux=4e-4, alpha=1.5 * ARCSEC
+    )
+    observation = _observe(_joined(known, near), array)
+    lacking = measure(observation, catalogue_from_galaxies(known, array[1]), OPTIONS)
+    assert lacking["flag"][0] == "contaminated"
+    assert lacking["weight"][0] == 0
+    complete = catalogue_from_galaxies(_joined(known, near), array[1])
+    assert measure(observation, complete, OPTIONS)["flag"][0] == "ok"
+
+
+def test_a_star_a_thousand_times_as_bright_near_the_edge_leaves_the_galaxies_alone(array):
+    star = galaxies(l=5 * ARCMIN, m=4 * ARCMIN, flux=1.0, alpha=0.0)
+    sky = _joined(SKY, star)
+    believed = replace(sky, flux=sky.flux * np.where(sky.flux == 1.0, 1.02, 1.0))
+    catalogue = catalogue_from_galaxies(believed, array[1])
+    points = replace(
+        catalogue,
+        scale_length=np.where(sky.scale_length == 0, 2 * ARCSEC, sky.scale_length),
+        is_point=sky.scale_length == 0,
+    )
+    table = measure(_observe(sky, array), points, OPTIONS)
+    assert table["flag"][-1] == "point_source"
+    assert _flags(table)[:-1] == ["ok"] * len(SKY)
+    # two per cent of a jansky left in the sky would be 200 times the noise of a visibility
+    assert np.max(_pulls(table[:-1], SKY)) < 4
+
+
+def test_sources_keep_their_own_spectral_indices(array):
+    sky = replace(SKY, spectral_index=np.array([-0.7, -2.0, 1.0, 0.0, -1.0, -0.2]))
+    table = measure(_observe(sky, array), catalogue_from_galaxies(sky, array[1]), OPTIONS)
+    assert _flags(table) == ["ok"] * len(SKY)
+    pull = (table["flux_fit"] - 1e6 * sky.flux) / table["flux_fit_err"]
+    assert np.max(np.abs(pull)) < 4
+    assert np.max(_pulls(table, sky)) < 4
+
+
+def test_overlapping_galaxies_are_fitted_together_with_wider_errors(array):
+    first = SKY.select(np.array([0]))
+    beside = galaxies(l=3.5 * ARCSEC, m=2 * ARCSEC, flux=8e-4, alpha=1.8 * ARCSEC, e=0.2j)
+    pair = _joined(first, beside)
+    table = measure(_observe(pair, array), catalogue_from_galaxies(pair, array[1]), OPTIONS)
+    alone = measure(_observe(first, array), catalogue_from_galaxies(first, array[1]), OPTIONS)
+    assert _flags(table) == ["ok", "ok"]
+    assert np.max(_pulls(table, pair)) < 4
+    assert table["e1_err"][0] > 1.05 * alone["e1_err"][0]
+
+
+@pytest.mark.parametrize("most_visits", [1, 2, 5])
+def test_the_last_visit_takes_the_longest_baselines(array, monkeypatch, most_visits):
+    """The first two of several leave them out; the field is wide enough for two bands of baselines."""
+    sky = galaxies(
+        l=np.array([-25.0, 25.0]) * ARCMIN, flux=1e-3, alpha=6 * ARCSEC, e=np.array([0.3, -0.2j])
+    )
+    longest = []
+
+    def spied(observation, plan, *others):
+        longest.append(plan.longest == plan.bands[0].longest)
+        return residual.gather_residuals(observation, plan, *others)
+
+    monkeypatch.setattr(converged, "gather_residuals", spied)
+    extraction = ConvergedExtraction(most_visits=most_visits)
+    catalogue = catalogue_from_galaxies(sky, array[1])
+    table = measure(_observe(sky, array), catalogue, replace(OPTIONS, extraction=extraction))
+    assert json.loads(table.meta["extract"])["visits"] == len(longest)
+    assert longest == [False] * min(most_visits - 1, 2) + [True]

@@ -1,0 +1,87 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from uvshear.extraction.converged.plan import LADDER, Wanted, plan_visit
+
+LONGEST = 5.5e4
+PIXEL = 1 / (2.4 * LONGEST)
+
+
+def _wanted(seed=1, sources=12, span=1800):
+    rng = np.random.default_rng(seed)
+    lm = rng.uniform(-0.5, 0.5, (2, sources)) * span * PIXEL + 0.004
+    width = rng.uniform(30, 120, sources) * PIXEL
+    return Wanted(*lm, width, rng.uniform(0.3, 1.5, sources) * LONGEST)
+
+
+wanteds = st.builds(
+    _wanted, st.integers(0, 999), st.integers(1, 15), st.sampled_from([0.0, 100.0, 1800.0])
+)
+quickly = settings(deadline=None, max_examples=25)
+
+
+@quickly
+@given(wanteds)
+def test_a_cutout_is_on_an_even_place_within_a_pixel_of_its_source(wanted):
+    plan = plan_visit(wanted, 0.0, LONGEST)
+    assert plan.pixel == pytest.approx(PIXEL)
+    assert np.all(plan.place % 2 == 0)
+    assert np.all(np.abs(plan.offset) <= PIXEL * (1 + 1e-9))
+    lm = np.column_stack([wanted.l, wanted.m])
+    np.testing.assert_allclose(plan.place * PIXEL + plan.offset, lm, rtol=0, atol=1e-15)
+
+
+@quickly
+@given(wanteds)
+def test_a_cutout_is_as_wide_and_reaches_as_far_as_is_wanted_and_little_more(wanted):
+    plan = plan_visit(wanted, 100.0, LONGEST)
+    for one, width, uv_max in zip(
+        plan.cutouts, wanted.width, wanted.informative_uv_max, strict=True
+    ):
+        assert one.pixel == plan.pixel
+        assert one.shortest == 100.0
+        assert width / PIXEL * (1 - 1e-9) <= one.size <= 1.5 * width / PIXEL + 8
+        reach = min(uv_max, LONGEST)
+        assert reach * (1 - 1e-9) <= one.longest <= reach * LADDER * (1 + 1e-9)
+        assert one.longest <= LONGEST
+
+
+@quickly
+@given(wanteds)
+def test_every_square_is_inside_its_tile_of_the_finest_band(wanted):
+    plan = plan_visit(wanted, 0.0, LONGEST)
+    for tile in plan.tiles[0]:
+        for source in tile.members:
+            first = plan.place[source] - tile.origin - plan.cutouts[source].size // 2
+            assert np.all(first >= 0)
+            assert np.all(first + plan.cutouts[source].size <= tile.size)
+
+
+def test_sources_of_about_one_size_share_their_cutout():
+    wanted = _wanted(sources=3)
+    alike = Wanted(
+        wanted.l, wanted.m, np.array([70.0, 70.5, 110.0]) * PIXEL, np.full(3, 0.9 * LONGEST)
+    )
+    cutouts = plan_visit(alike, 0.0, LONGEST).cutouts
+    assert cutouts[0] is cutouts[1]
+    assert cutouts[0] != cutouts[2]
+
+
+@settings(deadline=None)
+@given(st.lists(st.floats(0.0, 1.0, exclude_max=True), min_size=1, max_size=20))
+def test_the_number_of_a_samples_band_is_that_of_the_band_that_holds_it(parts):
+    plan = plan_visit(_wanted(span=6000), 50.0, LONGEST)
+    assert len(plan.bands) == 4
+    edges = [band.shortest for band in plan.bands]
+    distance = np.array([*(50.0 + np.array(parts) * (LONGEST - 50.0)), *edges])
+    for x, number in zip(distance, plan.band_of(distance), strict=True):
+        holding = [b for b, band in enumerate(plan.bands) if band.holds(np.array([x]))[0]]
+        assert holding == [number]
+
+
+def test_a_field_of_one_source_is_one_tile():
+    plan = plan_visit(_wanted(sources=1), 0.0, LONGEST)
+    assert len(plan.bands) == 1
+    assert [len(tiles) for tiles in plan.tiles] == [1]

@@ -1,0 +1,74 @@
+import numpy as np
+import pytest
+
+from tests.extraction.sources import ALPHA, PROFILE, part
+from tests.skies import L_BAND, galaxies, vla
+from uvshear.execution import in_threads
+from uvshear.extraction.paper.exact import ExactFacets
+from uvshear.extraction.paper.facet_gathering import gather_facets, subtract_sky
+from uvshear.extraction.paper.facets import Target
+from uvshear.interferometer.uv_range import UvRange
+from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
+from uvshear.predict import predict_visibilities
+
+SKY = galaxies([0.001, -0.002, 0.0], [0.0, 0.001, -0.001], [3e-4, 2e-4, 1e-4], ALPHA, 0.2j)
+
+
+def _observation(pieces):
+    uvw, centre = vla("b", samples=2)
+    vis = predict_visibilities(SKY, uvw, L_BAND, PROFILE)
+    seen = Visibilities(uvw, L_BAND, vis, np.ones(vis.shape))
+    return VisibilitySet(
+        centre, tuple(part(seen, rows) for rows in np.array_split(np.arange(len(uvw)), pieces))
+    )
+
+
+def _facets(pieces, threads, on_chunk=None):
+    members = np.array([0, 2])
+    targets = [Target(SKY.select(np.array([k])), ALPHA, UvRange(0.0, 5e4), 1.4e9) for k in members]
+    builders = [ExactFacets().open(target, PROFILE) for target in targets]
+    gather_facets(
+        _observation(pieces),
+        SKY,
+        builders,
+        members,
+        PROFILE,
+        executor=in_threads(threads),
+        on_chunk=on_chunk,
+    )
+    return [b.facet(SKY.select(np.array([k]))) for b, k in zip(builders, members, strict=True)]
+
+
+def test_the_true_sky_leaves_nothing():
+    chunk = _observation(1).blocks[0]
+    left = subtract_sky(chunk, SKY, PROFILE)
+    assert np.abs(left.stokes_i).max() < 1e-18
+    np.testing.assert_array_equal(left.weights, chunk.weights)
+
+
+def test_threads_change_no_bit_of_a_facet():
+    for one, other in zip(_facets(3, 1), _facets(3, 3), strict=True):
+        np.testing.assert_array_equal(one.correlation, other.correlation)
+        np.testing.assert_array_equal(one.power, other.power)
+
+
+def test_every_chunk_is_reported():
+    rows = []
+    _facets(4, 2, rows.append)
+    assert len(rows) == 4
+    assert sum(rows) == 702
+
+
+def test_a_builder_without_a_member_is_a_mistake():
+    with pytest.raises(ValueError, match="zip"):
+        gather_facets(
+            _observation(1),
+            SKY,
+            [
+                ExactFacets().open(
+                    Target(SKY.select(slice(0, 1)), ALPHA, UvRange(0.0, 5e4), 1.4e9), PROFILE
+                )
+            ],
+            np.array([0, 1]),
+            PROFILE,
+        )
