@@ -1,0 +1,76 @@
+"""Objects by name: those of the package, those that installed packages register, and those of a user's own file.
+
+A package registers a profile, say, by an entry point of the group ``uvshear.profiles`` in its ``pyproject.toml``:
+
+.. code-block:: toml
+
+    [project.entry-points."uvshear.profiles"]
+    moffat = "my_package.moffat:Moffat"
+
+A name with a colon, ``my_file:Moffat``, is imported as it is and needs no registration.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from uvshear.errors import InputError
+
+
+@dataclass(frozen=True)
+class Registry:
+    """What goes by a name.
+
+    Parameters
+    ----------
+    kind
+        What it is, for messages: "profile".
+    group
+        Group of the entry points by which packages register more.
+    own
+        Places (``module:object``) of the package's own, by name.
+    aliases
+        Other names of some.
+    """
+
+    kind: str
+    group: str
+    own: Mapping[str, str]
+    aliases: Mapping[str, str]
+
+    def names(self) -> tuple[str, ...]:
+        """Every registered name: the package's own first, in their order, then those of entry points."""
+        others = sorted(point.name for point in self._registered() if point.name not in self.own)
+        return (*self.own, *others)
+
+    def find(self, name: str) -> Any:
+        """Import the object of a name.
+
+        Raises
+        ------
+        InputError
+            Nothing goes by the name, or it cannot be imported.
+        """
+        name = self.aliases.get(name, name)
+        place = self.own.get(name) or self._place_of(name)
+        module, _, attribute = place.partition(":")
+        try:
+            return getattr(import_module(module), attribute)
+        except (ImportError, AttributeError, ValueError) as error:
+            raise InputError(f"the {self.kind} '{name}' cannot be imported: {error}") from error
+
+    def _place_of(self, name: str) -> str:
+        if ":" in name:
+            return name
+        for point in self._registered():
+            if point.name == name:
+                return point.value
+        raise InputError(
+            f"'{name}' is not a known {self.kind}; {', '.join(self.names())} are known,"
+            f" and MODULE:NAME is imported"
+        )
+
+    def _registered(self) -> list[EntryPoint]:
+        return list(entry_points(group=self.group))
