@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import fft
 
 from uvshear.constants import ARCSEC, SPEED_OF_LIGHT
 from uvshear.errors import InputError
@@ -32,6 +31,7 @@ from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.summary import Extent
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
+from uvshear.numerics.fft_sizes import fast_size
 from uvshear.predict import predict_visibilities
 from uvshear.predict.response import Response
 from uvshear.typing import Array, Complex, Float
@@ -188,8 +188,7 @@ def plan_image(sky: Galaxies, uv_range: UvRange, longest: float) -> tuple[ImageG
     size = max(math.ceil(width / pixel), FEWEST_PIXELS)
     if size > MOST_PIXELS:
         size, pixel = MOST_PIXELS, width / MOST_PIXELS
-    while size % 2 or fft.next_fast_len(size) != size:
-        size += 1
+    size = fast_size(size, real=False)
     carried = min(wanted, 1 / (2 * OVERSAMPLING * pixel))
     if uv_range.minimum >= carried:
         raise InputError(
