@@ -28,7 +28,7 @@ from uvshear.imaging.tangent import TangentPlane
 from uvshear.imaging.tiles import Footprint, plan_tiles
 from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.samples import Samples
-from uvshear.interferometer.summary import Extent
+from uvshear.interferometer.summary import ObservationSummary
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
 from uvshear.numerics.fft_sizes import fast_size
@@ -117,7 +117,7 @@ def residual_image(
     sky: Galaxies,
     profile: Profile,
     *,
-    extent: Extent,
+    extent: ObservationSummary,
     uv_range: UvRange | None = None,
     gridding: Gridding | None = None,
     attenuation: Attenuation | None = None,
