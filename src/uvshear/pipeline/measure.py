@@ -80,8 +80,10 @@ def measure(
     DataWarning
         There is something about the data that a user should know; told before the work starts.
     """
+    # The shapes themselves are all that some estimators need.
+    kept = tuple(estimator for estimator in estimators_of(keep) if estimator.columns)
     options = MeasurementOptions(
-        model or Model(), method or Method(), resources or Resources(), estimators_of(keep)
+        model or Model(), method or Method(), resources or Resources(), kept
     )
     sources = catalogue_of(catalogue)
     seen = open_observation_of(observation)
@@ -95,7 +97,6 @@ def measure(
     shapes = tabulate_shapes(sources, field, extracted, seen.phase_centre, options.model)
     made = Provenance("uvshear.measure", _names(observation, catalogue))
     shapes.meta.update(made.metadata())
-    kept = [estimator for estimator in estimators_of(keep) if estimator.columns]
     return Measurement(
         shapes=shapes,
         statistics=statistics_table(shapes, kept, extracted.kept) if kept else None,
