@@ -15,6 +15,7 @@ multiplies the residual only and the true model is a fixed point whatever the fa
 
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy import fft
@@ -91,7 +92,7 @@ class _ExactBuilder(FacetBuilder):
         self._band, self._grid, self._epsilon = band, grid, epsilon
         self._cutout = np.zeros((grid.size, grid.size))
         self._uv, self._multiplicity, self._kept = _half_plane(grid, band)
-        # The beam does not depend on any model: one round is enough, unless the facet has grown since.
+        # The beam does not depend on any model: one pass is enough, unless the facet has grown since.
         is_known = power is not None and len(power) == len(self._uv)
         self._power = np.asarray(power, float) if is_known else None
         self._beam = np.zeros((grid.size, grid.size))
@@ -139,6 +140,10 @@ class _ExactBuilder(FacetBuilder):
         half_width = self._grid.size * self._grid.pixel / 2
         w_max = float(np.abs(uvw[:, 2]).max() * frequency.max()) / SPEED_OF_LIGHT
         return math.pi * w_max * half_width**2 > LARGEST_PHASE
+
+    def merge(self, later: Self) -> None:
+        self._cutout += later._cutout
+        self._beam += later._beam
 
     def facet(self, model: Galaxies) -> Facet:
         uv, kept = self._uv, self._kept
