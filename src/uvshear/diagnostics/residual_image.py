@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
-from scipy import fft
 
 from uvshear.constants import ARCSEC, SPEED_OF_LIGHT
 from uvshear.errors import InputError
@@ -22,12 +21,13 @@ from uvshear.imaging.tiles import Footprint, plan_tiles
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.samples import Samples
-from uvshear.interferometer.summary import Extent
+from uvshear.interferometer.summary import ObservationSummary
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
+from uvshear.numerics.fft_sizes import fast_size
 from uvshear.predict import predict_visibilities
-from uvshear.predict.blocks import BYTES_PER_SAMPLE, BlockAccumulator
-from uvshear.predict.gridded import Gridding, ModelledSky, predict_samples, slabs
+from uvshear.predict.blocks import BlockAccumulator
+from uvshear.predict.gridded import BYTES_PER_SAMPLE, Gridding, ModelledSky, predict_samples, slabs
 from uvshear.predict.response import Response
 from uvshear.typing import Array, Complex, Float
 
@@ -61,7 +61,7 @@ BYTES_PER_PIXEL = 60
 Predict = Callable[[Samples], Complex[Array, " sample"]]
 """Predicts the visibilities of a sky [Jy]."""
 
-OnSamples = Callable[[int], None]
+Step = Callable[[int], None]
 """Called with the number of samples that have been predicted or imaged."""
 
 
@@ -116,11 +116,11 @@ def residual_image(
     sky: Galaxies,
     profile: Profile,
     *,
-    extent: Extent,
+    summary: ObservationSummary,
     uv_range: UvRange | None = None,
     gridding: Gridding | None = None,
     attenuation: Attenuation | None = None,
-    on_samples: OnSamples | None = None,
+    step: Step | None = None,
 ) -> DirtyAndResidual:
     r"""Image the data, and the data less a sky, on a square that holds every source.
 
@@ -132,13 +132,13 @@ def residual_image(
     ----------
     sky
         The sky that is subtracted; sources without flux do not count.
-    extent
+    summary
         Summary of the observation.
     uv_range
         Baselines to image; all unless given.
     attenuation
         Attenuation of the sources; none unless given.
-    on_samples
+    step
         Called with the number of samples that have been predicted (once each) and imaged (twice each).
 
     Notes
@@ -148,15 +148,15 @@ def residual_image(
     """
     uv_range, gridding = uv_range or UvRange(), gridding or Gridding()
     sky = sky.select(np.flatnonzero(sky.flux != 0))
-    grid, used = plan_image(sky, uv_range, extent.longest)
+    grid, used = plan_image(sky, uv_range, summary.longest)
     longest = _beyond(used)
     predict: Predict | None = None
     if len(sky):
-        response = Response.of(sky, extent.probes, attenuation)
+        response = Response.of(sky, summary.probes, attenuation)
         modelled = _modelled(sky, profile, response, grid, longest)
-        chosen = _direct if len(sky) * extent.samples <= DIRECT else _tiled
+        chosen = _direct if len(sky) * summary.samples <= DIRECT else _tiled
         predict = chosen(modelled, used.minimum, longest, gridding)
-    accumulator = ResidualImageAccumulator(grid, used, predict, gridding, on_samples)
+    accumulator = ResidualImageAccumulator(grid, used, predict, gridding, step)
     (images,) = accumulate(observation, [accumulator])
     return images
 
@@ -179,7 +179,7 @@ class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
         Predicts the models for samples; None for an empty sky.
     gridding
         Accuracy and resources.
-    on_samples
+    step
         Called with the number of samples that have been predicted or imaged.
     """
 
@@ -189,11 +189,11 @@ class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
         uv_range: UvRange,
         predict: Predict | None,
         gridding: Gridding,
-        on_samples: OnSamples | None = None,
+        step: Step | None = None,
     ) -> None:
         super().__init__(uv_range.minimum, _beyond(uv_range), gridding.block)
         self._grid, self._uv_range, self._predict = grid, uv_range, predict
-        self._gridding, self._on_samples = gridding, on_samples
+        self._gridding, self._step = gridding, step
         self._images = np.zeros((2, grid.size, grid.size))
         self._weight = self._weighted_frequency = 0.0
         self._count = 0
@@ -247,8 +247,8 @@ class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
             self._report(count)
 
     def _report(self, samples: int) -> None:
-        if self._on_samples is not None:
-            self._on_samples(samples)
+        if self._step is not None:
+            self._step(samples)
 
 
 def plan_image(sky: Galaxies, uv_range: UvRange, longest: float) -> tuple[ImageGrid, UvRange]:
@@ -263,8 +263,7 @@ def plan_image(sky: Galaxies, uv_range: UvRange, longest: float) -> tuple[ImageG
     size = max(math.ceil(width / pixel), FEWEST_PIXELS)
     if size > MOST_PIXELS:
         size, pixel = MOST_PIXELS, width / MOST_PIXELS
-    while size % 2 or fft.next_fast_len(size) != size:
-        size += 1
+    size = fast_size(size, real=False)
     carried = min(wanted, 1 / (2 * OVERSAMPLING * pixel))
     if uv_range.minimum >= carried:
         raise InputError(

@@ -6,7 +6,7 @@ import numpy as np
 
 from uvshear.galaxy import EllipticityPrior, Galaxies, SizePrior
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.summary import Extent
+from uvshear.interferometer.summary import ObservationSummary
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.prior import ShapePrior
@@ -33,7 +33,7 @@ class Field:
         A :class:`FitFlag` for each source.
     uv_range
         Baselines that take part; the longest is finite.
-    extent
+    summary
         Summary of the observation.
     flux_err, position_err
         Errors of the catalogue's fluxes [Jy] and positions along each axis [rad], 0 where they are not known.
@@ -48,7 +48,7 @@ class Field:
     modelled: Int[Array, " member"]
     flags: Shaped[Array, " source"]
     uv_range: UvRange
-    extent: Extent
+    summary: ObservationSummary
     flux_err: Float[Array, " source"]
     position_err: Float[Array, " source"]
     weight_correction: Float[Array, " source"]

@@ -3,23 +3,12 @@
 from abc import abstractmethod
 from typing import Self
 
-from uvshear.interferometer.accumulate import Accumulator, Result
+from uvshear.interferometer.accumulate import Accumulator, Result_co
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Visibilities
 
-BYTES_PER_SAMPLE = 160
-"""Memory that a sample takes while it is worked on: the sample, its model, and its baseline seen from two tiles."""
 
-LEAST_BLOCK = 2**16
-"""Number of samples in a block however little memory there is."""
-
-
-def block_of(memory: float) -> int:
-    """Choose the number of samples in a block, where so much memory [bytes] may be used: a third is for the block."""
-    return max(int(memory / 3 / BYTES_PER_SAMPLE), LEAST_BLOCK)
-
-
-class BlockAccumulator(Accumulator[Result]):
+class BlockAccumulator(Accumulator[Result_co]):
     """Collects the samples of a range of baselines, and works on them whenever a block is full.
 
     Blocks have the same samples whatever the chunks, so that sums do not depend on how an observation is read.
@@ -39,7 +28,7 @@ class BlockAccumulator(Accumulator[Result]):
 
     def add(self, seen: Visibilities) -> None:
         """Take in the samples of a chunk."""
-        self._take(Samples.of(seen, self._shortest, self._longest))
+        self._take(Samples.from_visibilities(seen, self._shortest, self._longest))
 
     def merge(self, later: Self) -> None:
         """Add what another accumulator has summed up, and take in the samples that it has not worked on."""
@@ -47,7 +36,7 @@ class BlockAccumulator(Accumulator[Result]):
         for part in later._waiting:
             self._take(part)
 
-    def result(self) -> Result:
+    def result(self) -> Result_co:
         """Work on the samples that are left, and return what was summed up."""
         if self._waiting:
             self._work_on_waiting()
@@ -62,7 +51,7 @@ class BlockAccumulator(Accumulator[Result]):
         """Add the sums of another accumulator of this kind."""
 
     @abstractmethod
-    def total(self) -> Result:
+    def total(self) -> Result_co:
         """Return what has been summed up over all blocks."""
 
     def _take(self, part: Samples) -> None:

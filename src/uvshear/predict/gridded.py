@@ -20,6 +20,12 @@ SLAB = 2**21
 """Number of samples that one call of the gridder takes; it depends on the data alone, so that sums do not depend on the
 executor."""
 
+BYTES_PER_SAMPLE = 160
+"""Memory that a sample takes while it is worked on: the sample, its model, and its baseline seen from two tiles."""
+
+LEAST_BLOCK = 2**16
+"""Number of samples in a block however little memory there is."""
+
 
 @dataclass(frozen=True)
 class Gridding:
@@ -60,6 +66,11 @@ class ModelledSky:
     half_width: Float[Array, " source"]
     response: Response
     profile: Profile
+
+
+def block_of(memory: float) -> int:
+    """Choose the number of samples in a block, where so much memory [bytes] may be used: a third is for the block."""
+    return max(int(memory / 3 / BYTES_PER_SAMPLE), LEAST_BLOCK)
 
 
 def slabs(samples: int) -> list[slice]:

@@ -35,8 +35,7 @@ from uvshear.extraction.extraction import Extracted, Extraction, Setting
 from uvshear.extraction.field import Field
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
-from uvshear.predict.blocks import block_of
-from uvshear.predict.gridded import Gridding
+from uvshear.predict.gridded import Gridding, block_of
 from uvshear.progress import Meter, Progress
 from uvshear.shapes.source_facet import Kept
 
@@ -157,7 +156,7 @@ class ConvergedExtraction(Extraction):
 
     def _epsilon(self, field: Field) -> float:
         """Relative error of the gridder, whose absolute error shall be below the noise of the brightest source."""
-        snr = float(field.sky.flux[field.modelled].max()) * math.sqrt(field.extent.weight)
+        snr = float(field.sky.flux[field.modelled].max()) * math.sqrt(field.summary.weight)
         return min(self.epsilon, max(ERROR / snr, FINEST))
 
     def _record(self, history: History, baselines: Baselines) -> dict[str, object]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from uvshear.extraction.converged.couplings import CouplingBlocks
 from uvshear.extraction.converged.sky_state import SkyState
+from uvshear.numerics.symmetric import regularised_inverse, with_eigenvalue_floor
 from uvshear.shapes.normal_equations import NormalEquations
 from uvshear.shapes.template import PARAMETERS
 from uvshear.typing import Array, Float
@@ -66,28 +67,16 @@ def marginalise_neighbours(
         shared = blocks.between(i, i)
         # A source's own facet tells more than the baselines that it shares with others.
         beyond = (own if i == source else equations[i].information) - shared
-        matrix[a, :, a, :] = shared + _positive_part(beyond)
+        matrix[a, :, a, :] = shared + with_eigenvalue_floor(beyond, 0.0)
         for b, j in enumerate(group[:a]):
             block = blocks.between(i, j)
             if block is not None:
                 matrix[a, :, b, :] = block
                 matrix[b, :, a, :] = block.T
-    conditional = _inverse(matrix[0, :, 0, :])
-    marginal = _inverse(matrix.reshape(count * PARAMETERS, -1))[:PARAMETERS, :PARAMETERS]
-    return NeighbourMarginalisation(conditional, marginal, (conditional - marginal) @ pull)
-
-
-def _positive_part(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
-    scale = np.sqrt(np.maximum(np.abs(np.diag(matrix)), 1e-300))
-    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    return (vectors * np.maximum(values, 0)) @ vectors.T * np.outer(scale, scale)
-
-
-def _inverse(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
-    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
     # Rounding may leave an eigenvalue of sources at one place below zero.
-    return (vectors / np.maximum(values, 1e-6)) @ vectors.T / np.outer(scale, scale)
+    conditional = regularised_inverse(matrix[0, :, 0, :])
+    marginal = regularised_inverse(matrix.reshape(count * PARAMETERS, -1))[:PARAMETERS, :PARAMETERS]
+    return NeighbourMarginalisation(conditional, marginal, (conditional - marginal) @ pull)
 
 
 def marginalise_all(

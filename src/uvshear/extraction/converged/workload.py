@@ -49,7 +49,7 @@ class Workload:
         whole = self.planner.plan(modelled.expected)
         nodes = len(self.planner.plan_beams().nodes)
         galaxies = len(modelled.galaxies)
-        work: float = NANOSECONDS * modelled.field.extent.samples * nodes
+        work: float = NANOSECONDS * modelled.field.summary.samples * nodes
         work += self.rough_cycles * self._cycle(first) + self._cycle(whole)
         work += galaxies * POSTERIOR
         if self.keeps_statistics:
@@ -58,6 +58,6 @@ class Workload:
 
     def _cycle(self, plan: MajorCyclePlan) -> float:
         modelled = self.planner.modelled
-        samples = modelled.field.extent.samples // len(plan.bands)
+        samples = modelled.field.summary.samples // len(plan.bands)
         tiles = [tile for band in plan.tiles[plan.top :] for tile in band]
         return sum(work_of(samples, tile) for tile in tiles) + len(modelled.sources) * FIT

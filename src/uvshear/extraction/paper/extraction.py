@@ -66,14 +66,14 @@ class PaperExtraction(Extraction):
         run = SequentialPass(observation, field, setting, self.facet, meter.add)
         sky = PaperSky(field.sky)
         order = batches(field, field.measured, self.separation)
-        meter.expect(self.passes * len(order) * field.extent.rows)
+        meter.expect(self.passes * len(order) * field.summary.rows)
         for _ in range(self.passes - 1):
             sky = run.improve(sky, order)
         sky, measurements = run.measure(sky, order)
         bad = [source for source, shape in measurements.items() if shape.flag in BAD]
         if bad:
             again = batches(field, np.array(bad), self.separation)
-            meter.expect(len(again) * field.extent.rows)
+            meter.expect(len(again) * field.summary.rows)
             sky, second = run.measure(sky.without_starts(bad), again)
             measurements |= second
         return Extracted(

@@ -50,7 +50,7 @@ class Target:
             galaxy=field.sky.select(np.array([source])),
             scale_length=float(np.exp(field.size.log_median[source])),
             uv_range=field.uv_range,
-            frequency=field.extent.frequency,
+            frequency=field.summary.frequency,
             half_width=fit.half_width if fit else 0.0,
         )
 
