@@ -139,7 +139,8 @@ def psf(
     disc = scale_length_arcsec or 1.0
 
     from uvshear.constants import ARCSEC
-    from uvshear.diagnostics.psf import point_spread_function, sample_coverage
+    from uvshear.diagnostics.coverage_sample import sample_coverage
+    from uvshear.diagnostics.psf import point_spread_function
     from uvshear.diagnostics.weighting_loss import weighting_loss
     from uvshear.execution import in_threads
     from uvshear.galaxy import Exponential
