@@ -63,9 +63,9 @@ def test_a_beam_of_a_users_own_is_found_by_its_place(module):
 
 def test_what_is_no_beam_is_refused(module):
     module.number, module.text = 7, lambda diameters, pointing: "beam"
-    with pytest.raises(InputError, match="is no function of diameters and pointing"):
+    with pytest.raises(InputError, match="is not a function of diameters and pointing"):
         primary_beam_named("beams_of_mine:number", DIAMETERS)
-    with pytest.raises(InputError, match="is no Attenuation but a str"):
+    with pytest.raises(InputError, match="is not an Attenuation but has the type str"):
         primary_beam_named("beams_of_mine:text", DIAMETERS)
 
 

@@ -8,12 +8,14 @@ from astropy.table import MaskedColumn, QTable, Table
 
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
+from uvshear.galaxy import PROFILES
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.io.catalogue import (
     Catalogue,
     catalogue_from_galaxies,
     catalogue_from_table,
+    catalogue_table,
     read_catalogue,
     write_catalogue,
 )
@@ -189,6 +191,9 @@ def _wrong(message: str, **columns: object) -> object:
         _wrong("column 'id', row 2: is empty", id=MaskedColumn([1, 2, 3], mask=[0, 1, 0])),
         _wrong("column 'e1, e2', id 9: is", e1=[0, 0, 0.8], e2=[0, 0, 0.6]),
         _wrong("has no column 'e2'", e1=[0, 0, 0.8]),
+        _wrong("column 'shear1, shear2', id 8: is", shear1=[0, 1.0, 0], shear2=[0, 0, 0]),
+        _wrong("has no column 'shear1'; give both shear1 and shear2", shear2=[0, 0, 0.8]),
+        _wrong("column 'profile' has 'square'", profile=["point", "square", ""]),
         _wrong("column 'scale_length', id 8: is -", scale_length=[1.0, -1, 1]),
         _wrong("column 'spectral_index', id 8: is nan", spectral_index=[1.0, math.nan, 1]),
         _wrong("column 'ra' holds text", ra=["here", "there", "near"]),
@@ -415,3 +420,43 @@ def test_what_a_user_adds_to_a_finders_table_counts() -> None:
     assert catalogue.spectral_index.tolist() == [-0.1, 0.3]
     assert catalogue.is_point is not None
     assert catalogue.is_point.tolist() == [False, True]
+
+
+def test_every_known_profile_stands_for_a_galaxy() -> None:
+    names = [*PROFILES.names(), "galaxy", "", "Point"]
+    rows = len(names)
+    table = Table(
+        {
+            "l": np.linspace(0, 1e-3, rows),
+            "m": np.zeros(rows),
+            "flux": np.ones(rows) * units.uJy,
+            "profile": names,
+        }
+    )
+    catalogue = catalogue_from_table(table)
+    assert catalogue.is_point is not None
+    assert {"sersic-2", "disc-bulge"} < set(names)
+    assert catalogue.is_point.tolist() == [False] * (rows - 1) + [True]
+
+
+@pytest.mark.parametrize("suffix", [".ecsv", ".fits", ".vot"])
+def test_shears_in_the_sky_frame_are_read_and_written(tmp_path: Path, suffix: str) -> None:
+    shear = np.array([0.01 + 0.02j, -0.03j, 0])
+    catalogue = catalogue_from_table(_table(shear1=shear.real, shear2=shear.imag))
+    assert catalogue.shear is not None
+    np.testing.assert_array_equal(catalogue.shear, shear)
+    assert catalogue.ellipticity is None
+    path = tmp_path / f"sheared{suffix}"
+    write_catalogue(path, catalogue)
+    back = read_catalogue(path)
+    assert back.shear is not None
+    np.testing.assert_array_equal(back.shear, shear)
+    chosen = catalogue.select(np.array([1])).shear
+    assert chosen is not None
+    np.testing.assert_array_equal(chosen, shear[[1]])
+
+
+def test_a_catalogue_without_shears_has_none() -> None:
+    catalogue = catalogue_from_table(_table())
+    assert catalogue.shear is None
+    assert "shear1" not in catalogue_table(catalogue).colnames

@@ -1,8 +1,8 @@
 """The one place for work in parallel: no other part of the package names a pool or counts threads.
 
 An ``Executor`` runs tasks and gives their results in order. ``Serial``, ``Threads`` and ``Processes`` are executors;
-another one needs the methods of ``executor.Executor`` and nothing else. Functions with parallel work take an executor as
-an argument, which is ``SERIAL`` unless given.
+another one needs the methods of ``executor.Executor`` and nothing else. Functions with parallel work take an executor
+as an argument, which is ``SERIAL`` unless given.
 """
 
 from uvshear.execution.cores import available_cores, in_processes, in_threads

@@ -44,7 +44,7 @@ class Population:
 
 
 def expected_number(sky: SkyRegion, density: float, *, ring: int = 1) -> int:
-    """Expected number of galaxies in a region, rounded to the nearest whole ring.
+    """Return the expected number of galaxies in a region, rounded to the nearest whole ring.
 
     It is not drawn from a Poisson distribution, so that repeated simulations have the same size.
 
