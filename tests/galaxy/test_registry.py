@@ -50,7 +50,7 @@ def module(monkeypatch):
     return mine
 
 
-@pytest.mark.parametrize("found", [Lorentzian, Lorentzian(), lambda: Lorentzian()])
+@pytest.mark.parametrize("found", [Lorentzian, Lorentzian(), lambda: Lorentzian(1.0)])
 def test_a_class_an_instance_and_a_function_are_all_profiles(module, found):
     module.mine = found
     assert profile_named("profiles_of_mine:mine") == Lorentzian()

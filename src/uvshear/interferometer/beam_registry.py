@@ -64,7 +64,9 @@ def primary_beam_named(
     known = np.nan_to_num(diameters() if callable(diameters) else diameters, nan=0.0)
     beam = make(known, pointing)
     if not isinstance(beam, Attenuation):
-        raise InputError(f"the primary beam '{name}' is not an Attenuation but has the type {type(beam).__name__}")
+        raise InputError(
+            f"the primary beam '{name}' is not an Attenuation but has the type {type(beam).__name__}"
+        )
     return beam
 
 
