@@ -22,7 +22,8 @@ from uvshear.interferometer.spectral_window import Channels
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.io.inspection import inspect
 from uvshear.io.measurement_set import MeasurementSet
-from uvshear.io.observations import Reading, open_observation
+from uvshear.io.observations import open_observation
+from uvshear.io.readers import Reading
 from uvshear.pipeline import extract
 from uvshear.predict import predict_visibilities
 
@@ -149,16 +150,16 @@ def test_a_model_is_taken_from_the_visibilities(usual, tmp_path):
 def test_a_model_that_is_not_there_is_named(tmp_path):
     path = write_varied(tmp_path / "model.ms", COVERAGE, _windows(1), correlations=(9, 12))
     with pytest.raises(InputError, match="no column MODEL_DATA; those with visibilities: DATA"):
-        Reading(subtracted="MODEL_DATA").open(path)
+        open_observation(path, Reading(subtracted="MODEL_DATA"))
 
 
 def test_a_model_that_does_not_fit_is_refused(tmp_path):
     path = write_varied(tmp_path / "model.ms", COVERAGE, _windows(1), correlations=(9, 12))
-    with pytest.raises(InputError, match="column DATA would be taken from itself"):
-        Reading(subtracted="DATA").open(path)
+    with pytest.raises(InputError, match="column DATA would be subtracted from itself"):
+        open_observation(path, Reading(subtracted="DATA"))
     with table(str(path), readonly=False, ack=False) as main:
         column = makearrcoldesc("MODEL_DATA", 0j, ndim=2, valuetype="complex")
         main.addcols(maketabdesc(column))
         main.putcell("MODEL_DATA", 0, np.zeros((3, 2), complex))
     with pytest.raises(InputError, match=r"MODEL_DATA has \(3, 2\) .* they must be the same"):
-        Reading(subtracted="MODEL_DATA").open(path)
+        open_observation(path, Reading(subtracted="MODEL_DATA"))
