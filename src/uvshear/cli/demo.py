@@ -44,16 +44,18 @@ TRUE_SHEAR: Final = 0.05 - 0.03j
 COMPUTING: Final = frozenset({"simulate", "psf", "measure"})
 """Commands that take threads."""
 
+SHORT = "Simulate a small field, measure it, compare with the truth."
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("demo", epilog=EPILOG)(demo)
+    app.command("demo", epilog=EPILOG, short_help=SHORT)(demo)
 
 
 def demo(
-    directory: Annotated[Path, typer.Argument(help="Where everything goes; made if need be.")] = (
-        Path("uvshear-demo")
-    ),
+    directory: Annotated[
+        Path, typer.Argument(help="Directory for all files; it is created if needed.")
+    ] = (Path("uvshear-demo")),
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:

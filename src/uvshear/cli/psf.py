@@ -39,10 +39,12 @@ from uvshear.errors import InputError
 
 EPILOG = "Example: uvshear psf FIELD.ms --round-psf -o field-psf.png"
 
+SHORT = "Measure the point spread function, draw it and the uv coverage."
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("psf", epilog=EPILOG, cls=GroupedCommand)(psf)
+    app.command("psf", epilog=EPILOG, short_help=SHORT, cls=GroupedCommand)(psf)
 
 
 def psf(
@@ -58,13 +60,13 @@ def psf(
             "-o",
             "--output",
             rich_help_panel=OUTPUT,
-            help="Picture of the PSF; FIELD-psf.png unless given.",
+            help="Picture of the PSF; FIELD-psf.png by default.",
         ),
     ] = None,
     uv_output: Annotated[
         Path | None,
         typer.Option(
-            rich_help_panel=OUTPUT, help="Picture of the uv coverage; FIELD-uv.png unless given."
+            rich_help_panel=OUTPUT, help="Picture of the uv coverage; FIELD-uv.png by default."
         ),
     ] = None,
     weight_sigma_arcsec: Annotated[
@@ -72,7 +74,7 @@ def psf(
         typer.Option(
             callback=all_positive,
             rich_help_panel=METHOD,
-            help="Width of the Gaussian under which moments are taken; may be repeated. 1 and 3 unless given.",
+            help="Width (sigma) of the Gaussian under which moments are taken; may be repeated; 1 and 3 by default.",
             show_default=False,
         ),
     ] = None,
@@ -81,14 +83,16 @@ def psf(
         typer.Option(
             callback=positive,
             rich_help_panel=METHOD,
-            help="Scale length of the galaxy whose loss of shape information is shown; 1 unless given.",
+            help="Scale length of the galaxy for which the loss of information is shown; 1 by default.",
             show_default=False,
         ),
     ] = None,
     pixel_arcsec: Annotated[
         float,
         typer.Option(
-            callback=positive, rich_help_panel=METHOD, help="Pixels of the image of the PSF."
+            callback=positive,
+            rich_help_panel=METHOD,
+            help="Size of the pixels of the image of the PSF.",
         ),
     ] = 0.1,
     uv_min: Annotated[
@@ -119,7 +123,11 @@ def psf(
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Measure the ellipticity and size of the PSF, show what a weighting makes of it and costs, and draw the uv coverage."""
+    """Measure the ellipticity and the size of the PSF, and draw it and the uv coverage.
+
+    With a weighting, the weighted PSF is shown beside the natural one, and the information on shapes that the
+    weighting costs.
+    """
     uv_range = uv_range_of(uv_min, uv_max)
     sigmas = weight_sigma_arcsec or [1.0, 3.0]
     choice = WeightChoice(
