@@ -94,8 +94,8 @@ def bias(
         SelectionName,
         typer.Option(
             rich_help_panel=SKY,
-            help="Signal-to-noise ratio on which --snr-min cuts: that of the catalogue's flux, or that of the fit, which"
-            " shear and noise change.",
+            help="Signal-to-noise ratio on which --snr-min cuts: that of the catalogue's flux, or that of the fit,"
+            " which shear and noise change.",
         ),
     ] = SelectionName.CATALOGUE,
     flux_min_ujy: Annotated[
@@ -144,7 +144,8 @@ def bias(
         typer.Option(
             "--legacy-shear",
             rich_help_panel=SKY,
-            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a lens changes both.",
+            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a lens"
+            " changes both.",
         ),
     ] = False,
     profile: Annotated[
@@ -235,7 +236,10 @@ def bias(
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Measure the bias m and c of an estimator on simulated galaxies, each alone in the beam or all in a crowded field."""
+    """Measure the bias m and c of an estimator on simulated galaxies.
+
+    Each galaxy is alone in the beam, or with --density all are in a crowded field.
+    """
     is_measured, is_averaged = selection is SelectionName.MEASURED, facet is FacetName.CELL_AVERAGE
     _refuse(estimator, shear, is_measured=is_measured, is_averaged=is_averaged)
     if density is not None:

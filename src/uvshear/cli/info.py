@@ -42,7 +42,7 @@ def info(
     scans: ScansOption = None,
     conjugate: ConjugateOption = False,
 ) -> None:
-    """Print what a Measurement Set holds: array, fields, frequencies, flags, baselines, and noise compared with weights."""
+    """Print what a Measurement Set holds: array, fields, frequencies, flags, baselines, noise against weights."""
     from uvshear.io.inspection import inspect
 
     reading = reading_of(column, field, scans, conjugates=conjugate, subtracted=subtract)

@@ -157,21 +157,12 @@ def psf(
     from uvshear.imaging import ImageGrid
     from uvshear.interferometer.weighting import TukeyTaper, weighted
     from uvshear.io.observations import open_observation
-    from uvshear.io.outputs import check_file
 
     stem = measurement_sets[0].name.removesuffix(".ms").removesuffix(".MS")
-    psf_picture = Path(f"{stem}-psf.png") if output is None else output
-    uv_picture = Path(f"{stem}-uv.png") if uv_output is None else uv_output
-    if psf_picture == uv_picture:
-        raise InputError(f"--output and --uv-output: both are {psf_picture}; give two names")
-    for path in (psf_picture, uv_picture):
-        check_file(path, overwrite=overwrite)
-    size = 2 * round(5 * max(sigmas) / pixel_arcsec)
-    if not 16 <= size <= 16384:
-        raise InputError(
-            f"--weight-sigma-arcsec {max(sigmas):g} --pixel-arcsec {pixel_arcsec:g}:"
-            f" an image of {size} pixels; pixels of sigma/5 or so are needed"
-        )
+    psf_picture = output or Path(f"{stem}-psf.png")
+    uv_picture = uv_output or Path(f"{stem}-uv.png")
+    check_pictures(psf_picture, uv_picture, overwrite=overwrite)
+    size = image_size(max(sigmas), pixel_arcsec)
     reading = reading_of(column, field, scans, conjugates=conjugate)
     executor = in_threads(threads)
     natural = open_observation(measurement_sets, reading)
@@ -199,14 +190,30 @@ def psf(
 
     shown, title = list(images.values())[-1], f"PSF, {shorten(stem)}"
     title += ", weighted" if is_weighted else ""
-    save(
-        draw_psf(shown, grid.pixel, figures[-1].ellipticity, title),
-        psf_picture,
-        overwrite=overwrite,
-    )
-    save(
-        draw_uv_coverage(coverage.uvw, coverage.frequency, f"uv coverage, {shorten(stem)}"),
-        uv_picture,
-        overwrite=overwrite,
-    )
+    picture = draw_psf(shown, grid.pixel, figures[-1].ellipticity, title)
+    save(picture, psf_picture, overwrite=overwrite)
+    title = f"uv coverage, {shorten(stem)}"
+    picture = draw_uv_coverage(coverage.uvw, coverage.frequency, title)
+    save(picture, uv_picture, overwrite=overwrite)
     say(f"pictures: {psf_picture}, {uv_picture}")
+
+
+def check_pictures(psf_picture: Path, uv_picture: Path, *, overwrite: bool) -> None:
+    """Refuse pictures that cannot be written, before anything is computed for them."""
+    from uvshear.io.outputs import check_file
+
+    if psf_picture == uv_picture:
+        raise InputError(f"--output and --uv-output: both are {psf_picture}; give two names")
+    for path in (psf_picture, uv_picture):
+        check_file(path, overwrite=overwrite)
+
+
+def image_size(sigma_arcsec: float, pixel_arcsec: float) -> int:
+    """Return the side of an image that holds the widest weight [pixels]."""
+    size = 2 * round(5 * sigma_arcsec / pixel_arcsec)
+    if not 16 <= size <= 16384:
+        raise InputError(
+            f"--weight-sigma-arcsec {sigma_arcsec:g} --pixel-arcsec {pixel_arcsec:g}:"
+            f" an image of {size} pixels; pixels of sigma/5 or so are needed"
+        )
+    return size

@@ -150,7 +150,8 @@ def simulate(
         typer.Option(
             "--legacy-shear",
             rich_help_panel=SKY,
-            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a lens changes both.",
+            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a lens"
+            " changes both.",
         ),
     ] = False,
     snr_at: Annotated[
@@ -237,7 +238,7 @@ def simulate(
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Simulate the observation of a catalogue, with direct sums over its galaxies, and write a Measurement Set."""
+    """Simulate the observation of a catalogue, exactly, without gridding, and write a Measurement Set."""
     if (hours is None) == (not hour_angles):
         raise InputError("--hours or --hour-angles: give one of the two")
     if snr_at is not None and sefd_jy is not None:
