@@ -21,14 +21,14 @@ from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.population import Population, draw_population
-from uvshear.simulation.sky_region import Field, SquareField
+from uvshear.simulation.sky_region import SkyRegion, SquareField
 
 CHANNELS = Channels.from_band(0.95e9, 1.19e9, 1)
 FREQUENCY = CHANNELS.frequency
 PHASE_CENTRE = PhaseCentre(0.3, math.radians(-30))
 
 
-def draw(field: Field, number: int, rng: np.random.Generator) -> Galaxies:
+def draw(field: SkyRegion, number: int, rng: np.random.Generator) -> Galaxies:
     """Galaxies of the paper's fluxes, sizes and ellipticities."""
     population = Population(
         PowerLawFlux(minimum=10 * MICROJANSKY, maximum=200 * MICROJANSKY),

@@ -7,7 +7,7 @@ import numpy as np
 from uvshear.execution import SERIAL, Executor
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.geometry.ellipticity import quadratic_form
-from uvshear.interferometer.baseline_map import BaselineMap
+from uvshear.interferometer.baseline_map import map_baselines
 from uvshear.interferometer.visibilities import Observation
 from uvshear.typing import Array, Float
 
@@ -21,7 +21,7 @@ def natural_norms(
     square has no phase, so that it hardly changes across a cell. The tilt of baselines seen from off the phase centre
     is left out.
     """
-    cells = BaselineMap.of((seen, None) for seen in observation.chunks())
+    cells = map_baselines(observation)
     form = np.stack(quadratic_form(galaxies.ellipticity, galaxies.scale_length), axis=-1)
     squares = 4 * math.pi**2 * np.stack([cells.u**2, cells.u * cells.v, cells.v**2])
     squares, weight = squares.astype(np.float32), cells.weight.astype(np.float32)

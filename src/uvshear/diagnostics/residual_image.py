@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import fft
 
 from uvshear.constants import ARCSEC, SPEED_OF_LIGHT
 from uvshear.errors import InputError
@@ -29,9 +28,10 @@ from uvshear.imaging.tangent import TangentPlane
 from uvshear.imaging.tiles import Footprint, plan_tiles
 from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.samples import Samples
-from uvshear.interferometer.summary import Extent
+from uvshear.interferometer.summary import ObservationSummary
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
+from uvshear.numerics.fft_sizes import fast_size
 from uvshear.predict import predict_visibilities
 from uvshear.predict.response import Response
 from uvshear.typing import Array, Complex, Float
@@ -117,7 +117,7 @@ def residual_image(
     sky: Galaxies,
     profile: Profile,
     *,
-    extent: Extent,
+    extent: ObservationSummary,
     uv_range: UvRange | None = None,
     gridding: Gridding | None = None,
     attenuation: Attenuation | None = None,
@@ -188,8 +188,7 @@ def plan_image(sky: Galaxies, uv_range: UvRange, longest: float) -> tuple[ImageG
     size = max(math.ceil(width / pixel), FEWEST_PIXELS)
     if size > MOST_PIXELS:
         size, pixel = MOST_PIXELS, width / MOST_PIXELS
-    while size % 2 or fft.next_fast_len(size) != size:
-        size += 1
+    size = fast_size(size, real=False)
     carried = min(wanted, 1 / (2 * OVERSAMPLING * pixel))
     if uv_range.minimum >= carried:
         raise InputError(

@@ -56,7 +56,8 @@ def weighting_loss(
     """
     derivatives = _derivatives(cells, scale_length, profile, ellipticity)
     natural, once, twice = (
-        (derivatives * weight) @ derivatives.T for weight in (cells.weight, cells.once, cells.twice)
+        (derivatives * weight) @ derivatives.T
+        for weight in (cells.weight, cells.weighted_sum, cells.weighted_sum_of_squares)
     )
     # In units of what each parameter alone is known to, so that the condition has none.
     alone = np.sqrt(np.diag(once))
@@ -82,7 +83,8 @@ def weighting_loss(
 def _snr(cells: BaselineMap, model: Float[Array, " cell"]) -> float:
     """Part of the signal-to-noise ratio that is left of a model's flux."""
     natural, once, twice = (
-        float(np.sum(weight * model**2)) for weight in (cells.weight, cells.once, cells.twice)
+        float(np.sum(weight * model**2))
+        for weight in (cells.weight, cells.weighted_sum, cells.weighted_sum_of_squares)
     )
     return once / math.sqrt(natural * twice)
 

@@ -7,7 +7,7 @@ import numpy as np
 from uvshear.extraction.paper.facets import Target
 from uvshear.galaxy import EllipticityPrior, Galaxies, SizePrior
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.summary import Extent
+from uvshear.interferometer.summary import ObservationSummary
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.shapes.measurement import FitFlag, GalaxyFit
 from uvshear.shapes.prior import ShapePrior
@@ -49,7 +49,7 @@ class Field:
     modelled: Int[Array, " member"]
     flags: Shaped[Array, " source"]
     uv_range: UvRange
-    extent: Extent
+    extent: ObservationSummary
     flux_err: Float[Array, " source"]
     position_err: Float[Array, " source"]
     trust: Float[Array, " source"]

@@ -31,7 +31,7 @@ def weigh(
     """
     cut = TukeyTaper(options.method.uv_range.minimum, options.method.uv_range.maximum)
     seen = weighted(observation, (cut, *options.method.weightings))
-    cells = BaselineMap.of(seen.with_factors())
+    cells = seen.map_baselines()
     log_size = field.size.log_median
     measured = log_size[field.measured]
     middle = float(np.median(measured))

@@ -1,9 +1,9 @@
-"""What a galaxy is: its parameters, its profile, and what is known of it before it is measured.
+"""Galaxies: their parameters, their profiles, and what is known of them before they are measured.
 
-``Galaxies`` is the container that the rest of the package passes round. A profile of your own is
-one module here: subclass ``Profile`` and define ``envelope``, as ``exponential`` does; a prior of
-the ellipticity likewise: ``EllipticityPrior`` and ``relative_density``. ``flux`` and ``size`` hold
-the distributions of Rivi & Miller 2018, section 3.
+``Galaxies`` is the container that the rest of the package passes round. A profile of your own is a subclass of
+``Profile`` that defines ``envelope``, as ``exponential`` does; ``registry`` finds it by name. A prior of the
+ellipticity is a subclass of ``EllipticityPrior`` that defines ``relative_density``. ``flux`` and ``size`` hold the
+distributions of Rivi & Miller 2018, section 3.
 """
 
 from uvshear.galaxy.ellipticity_prior import (
@@ -16,10 +16,12 @@ from uvshear.galaxy.flux import PowerLawFlux
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.gaussian import Gaussian
 from uvshear.galaxy.profile import Profile
+from uvshear.galaxy.registry import PROFILES, profile_named
 from uvshear.galaxy.sersic import DiscBulge, Sersic
 from uvshear.galaxy.size import CatalogueSize, SizeFluxRelation, SizeModel, SizePrior
 
 __all__ = [
+    "PROFILES",
     "CatalogueSize",
     "DiscBulge",
     "DiscEllipticityPrior",
@@ -34,4 +36,5 @@ __all__ = [
     "SizeFluxRelation",
     "SizeModel",
     "SizePrior",
+    "profile_named",
 ]

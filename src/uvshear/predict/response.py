@@ -87,7 +87,7 @@ class Response:
             distance = np.hypot(galaxies.l, galaxies.m)
             outermost = galaxies.select(np.argsort(distance)[-_OUTERMOST:])
             left = (
-                attenuation.of(probes, *place).min()
+                attenuation.factor(probes, *place).min()
                 for place in zip(outermost.l.tolist(), outermost.m.tolist(), strict=True)
             )
             if min(left, default=1.0) > 1 - _NEGLIGIBLE:
@@ -107,7 +107,7 @@ class Response:
             ratio = samples.frequency / self.reference_frequency
             factor = (ratio ** (index - self.index)).astype(np.float32)
         if self.attenuation is not None:
-            factor = factor * self.attenuation.of(samples, l, m).astype(np.float32)
+            factor = factor * self.attenuation.factor(samples, l, m).astype(np.float32)
         return factor
 
     def strengths(self, galaxies: Galaxies) -> Float[Array, " source"]:
@@ -126,11 +126,11 @@ class Response:
         """Filter that matches a direction, besides the common power law; its rms is 1, as ``strengths`` has it."""
         if self.attenuation is None:
             return 1.0
-        left = float(self._rms(self.attenuation.of(self._need_probes(), l, m)[:, None])[0])
+        left = float(self._rms(self.attenuation.factor(self._need_probes(), l, m)[:, None])[0])
         if left < FAINTEST:
             # Next to nothing is seen there, and nothing modelled.
             return 1.0
-        return (self.attenuation.of(samples, l, m) / left).astype(np.float32)
+        return (self.attenuation.factor(samples, l, m) / left).astype(np.float32)
 
     def shared(self, galaxies: Galaxies, shortest: float, longest: float) -> Shared:
         """Own factors of sources in terms of a few, on baselines in this range [wavelengths]."""

@@ -21,6 +21,7 @@ from uvshear.geometry.ellipticity import quadratic_form_of
 from uvshear.imaging.bands import Band
 from uvshear.imaging.cutout import Cutout
 from uvshear.interferometer.facet import BeamPlane
+from uvshear.numerics.half_plane import half_plane
 from uvshear.predict.rendering import smooth_step, transform_on_stamp
 from uvshear.typing import Array, Complex, Float
 
@@ -134,15 +135,10 @@ class Interaction:
 
     def _plane(self, node: int, longest: float) -> BeamPlane:
         if (node, longest) not in self._planes:
-            u = fft.fftfreq(WINDOW, self._band.pixel).astype(np.float32)
-            v = fft.rfftfreq(WINDOW, self._band.pixel).astype(np.float32)
-            distance = np.hypot(u[:, None], v[None, :])
-            once = (v[None, :] > 0) | (u[:, None] >= 0)
-            kept = np.nonzero((distance <= longest) & once)
-            uv = np.column_stack([u[kept[0]], v[kept[1]]])
-            multiplicity = np.where(distance[kept] == 0, 1, 2) / WINDOW**2
-            power = self._spectrum(node)[kept] * multiplicity.astype(np.float32)
-            self._planes[node, longest] = BeamPlane(uv, power)
+            cells = half_plane(WINDOW, self._band.pixel, 0.0, longest)
+            multiplicity = (cells.multiplicity / WINDOW**2).astype(np.float32)
+            power = self._spectrum(node)[cells.index] * multiplicity
+            self._planes[node, longest] = BeamPlane(cells.uv.astype(np.float32), power)
         return self._planes[node, longest]
 
     def _far_couplings(self, plan: VisitPlan) -> sparse.csr_matrix:

@@ -18,6 +18,7 @@ from uvshear.execution import Executor
 from uvshear.extraction.converged.beams import Beams
 from uvshear.extraction.converged.interaction import Interaction
 from uvshear.galaxy import Profile
+from uvshear.numerics.symmetric import regularised_inverse, with_eigenvalue_floor
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.normal_equations import NormalEquations, couplings
 from uvshear.shapes.template import PARAMETERS
@@ -218,28 +219,16 @@ def freedom(
         shared = couplings_(i, i)
         # What a source's own facet tells beyond the baselines that it shares with others.
         beyond = (own if i == source else equations[i].information) - shared
-        matrix[a, :, a, :] = shared + _positive_part(beyond)
+        matrix[a, :, a, :] = shared + with_eigenvalue_floor(beyond, 0.0)
         for b, j in enumerate(group[:a]):
             block = couplings_(i, j)
             if block is not None:
                 matrix[a, :, b, :] = block
                 matrix[b, :, a, :] = block.T
-    held = _inverse(matrix[0, :, 0, :])
-    free = _inverse(matrix.reshape(count * PARAMETERS, -1))[:PARAMETERS, :PARAMETERS]
-    return Freedom(held, free, (held - free) @ pull)
-
-
-def _positive_part(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
-    scale = np.sqrt(np.maximum(np.abs(np.diag(matrix)), 1e-300))
-    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-    return (vectors * np.maximum(values, 0)) @ vectors.T * np.outer(scale, scale)
-
-
-def _inverse(matrix: Float[Array, "n n"]) -> Float[Array, "n n"]:
-    scale = np.sqrt(np.maximum(np.diag(matrix), 1e-300))
-    values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
     # Rounding may leave an eigenvalue of sources at one place below zero.
-    return (vectors / np.maximum(values, 1e-6)) @ vectors.T / np.outer(scale, scale)
+    held = regularised_inverse(matrix[0, :, 0, :])
+    free = regularised_inverse(matrix.reshape(count * PARAMETERS, -1))[:PARAMETERS, :PARAMETERS]
+    return Freedom(held, free, (held - free) @ pull)
 
 
 class BlockOf:

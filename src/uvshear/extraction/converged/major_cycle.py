@@ -95,7 +95,7 @@ def blocks(
     parts: list[Samples] = []
     held = 0
     for chunk in observation.chunks():
-        part = Samples.of(chunk, shortest, longest)
+        part = Samples.from_visibilities(chunk, shortest, longest)
         while held + len(part) >= size:
             first = size - held
             yield Samples.join([*parts, part.select(slice(first))])

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from uvshear.estimators.mean import ShearEstimate
+from uvshear.estimators.shear_estimate import ShearEstimate
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ Pair = tuple[Component, Component]
 
 
 @dataclass(frozen=True)
-class Calibration:
+class BiasCorrection:
     """Bias of an estimator, in total and by flux.
 
     Parameters
