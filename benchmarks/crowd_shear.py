@@ -4,7 +4,8 @@
     python benchmarks/crowd_shear.py --density 1 2.8 5 8 --galaxies 400 --shear 0 --table crowd.ecsv
 
 The galaxies of one field are behind g and -g (or behind none), with e and -e, with noise and its opposite: four
-extractions for each shear, which serve all estimators. ``crowd_shear_figure.py`` draws what is left without shear against the density.
+extractions for each shear, which serve all estimators. ``crowd_shear_figure.py`` draws the shear that is found without
+any against the density.
 """
 
 import argparse
