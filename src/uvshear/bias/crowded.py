@@ -10,10 +10,10 @@ from uvshear.errors import InputError
 from uvshear.estimators import Estimator, Sample
 from uvshear.estimators.estimate import sky_terms, within_reach
 from uvshear.estimators.flux_bins import FLUX_BINS
+from uvshear.estimators.terms import shear_in_field_frame
 from uvshear.execution import SERIAL, Executor
 from uvshear.galaxy import Exponential, Galaxies, Profile
 from uvshear.geometry.directions import local_north
-from uvshear.geometry.ellipticity import to_field_frame
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.pipeline.measurement import Measurement
 from uvshear.pipeline.sample import sample_of, selected
@@ -69,7 +69,7 @@ class FieldExperiment:
             self.galaxies, ellipticity=ellipticity_sign * self.galaxies.ellipticity
         )
         north = local_north(self.noise.phase_centre, galaxies.l, galaxies.m)
-        return self.lens(galaxies, to_field_frame(np.full(len(galaxies), shear), north))
+        return self.lens(galaxies, shear_in_field_frame(shear, north))
 
     def observed(self, galaxies: Galaxies, noise_sign: int) -> VisibilitySet:
         """Observe lensed galaxies, with the noise or its opposite."""

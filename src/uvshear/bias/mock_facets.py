@@ -13,14 +13,14 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from uvshear.execution import SERIAL, Executor
-from uvshear.extraction.converged.beams import gather_beams, power_of
-from uvshear.extraction.converged.major_cycle import Gridding
+from uvshear.extraction.converged.beams import BeamPlan, gather_beams, power_of
 from uvshear.extraction.converged.plan import LADDER, SMALL
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.imaging.bands import OVERSAMPLING
 from uvshear.imaging.cutout import Cutout, cutout, cutout_size
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Observation
+from uvshear.predict.gridded import Gridding
 from uvshear.predict.response import Response
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.prior import ShapePrior
@@ -125,9 +125,8 @@ class MockBeam:
         longest = SMALL / smallest
         pixel = 1 / (2 * OVERSAMPLING * longest)
         gridding = Gridding(executor=executor)
-        beams = gather_beams(
-            observation, np.zeros((1, 2)), (0.0, longest), pixel, Response.of(galaxies), gridding
-        )
+        plan = BeamPlan.around(np.zeros((1, 2)), 0.0, longest, pixel)
+        beams = gather_beams(observation, plan, Response.of(galaxies), gridding)
         return cls(beams.images[0], pixel, longest)
 
     def simulator(self, log_median: float, sigma: float) -> FacetSimulator:

@@ -31,16 +31,11 @@ PrimaryBeamOption = Annotated[
 
 def beam_of_observation(name: str, observation: "Observation") -> "Attenuation | None":
     """Return the beam of the dishes that observed, where these pointed; None for the name ``none``."""
-    from uvshear.interferometer.dishes import HasDishes
+    from uvshear.interferometer.dishes import dish_diameters, pointing_of
 
     if name == NONE:
         return None
-    if not isinstance(observation, HasDishes):
-        raise InputError(
-            f"--primary-beam {name}: the observation does not say its dishes and where they pointed;"
-            f" --primary-beam {NONE} is needed"
-        )
-    return beam_of_dishes(name, observation.dish_diameters, observation.pointing())
+    return beam_of_dishes(name, lambda: dish_diameters(observation), pointing_of(observation))
 
 
 def beam_of_dishes(

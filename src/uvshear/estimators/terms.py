@@ -5,6 +5,7 @@ from typing import Self
 
 import numpy as np
 
+from uvshear.geometry.ellipticity import to_field_frame
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
 
@@ -75,4 +76,4 @@ def shear_in_field_frame(
     shear: complex, local_north: Float[Array, " source"]
 ) -> Complex[Array, " source"]:
     """Shear at each source in the frame of (l, m), of one that is the same everywhere in the frame of the sky."""
-    return np.conj(shear) * np.exp(-2j * local_north)
+    return to_field_frame(np.full(len(local_north), shear), local_north)

@@ -23,5 +23,7 @@ def extraction_named(name: str) -> Extraction:
     found: Any = EXTRACTIONS.find(name)
     extraction = found() if callable(found) and not isinstance(found, Extraction) else found
     if not isinstance(extraction, Extraction):
-        raise InputError(f"the extraction '{name}' is no Extraction but a {type(extraction).__name__}")
+        raise InputError(
+            f"the extraction '{name}' is no Extraction but a {type(extraction).__name__}"
+        )
     return extraction

@@ -83,7 +83,7 @@ def field_of_catalogue(
         summary,
         flux_err=unknown if sources.flux_err is None else sources.flux_err,
         position_err=unknown if sources.position_err is None else sources.position_err,
-        trust=np.ones(len(sources)),
+        weight_correction=np.ones(len(sources)),
     )
 
 

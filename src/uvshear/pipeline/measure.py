@@ -1,7 +1,7 @@
 """The measurement on one page: visibilities and a catalogue in, shapes out.
 
 1. Read the observation once: the lengths of its baselines, the map of its weights, and what a user must know of the
-   data before any work is done (``io.first_pass``).
+   data before any work is done (``interferometer.first_pass``).
 2. Begin with a sky of round galaxies of the catalogue's fluxes and of median size (``pipeline.field``).
 3. Apply weightings other than the natural one, if any are asked for (``extraction.weighted_shapes``).
 4. Tell the sources apart and measure each without the others (``extraction``).
@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
-from astropy.table import Table
 
 from uvshear.diagnostics.natural_snr import with_natural_snr
 from uvshear.errors import DataWarning
@@ -26,8 +25,8 @@ from uvshear.extraction import Extracted, Field, MeasurementOptions, Method, Mod
 from uvshear.extraction.weighted_shapes import weigh
 from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import Observation
-from uvshear.io.catalogue import Catalogue, catalogue_of
-from uvshear.io.first_pass import FirstPass, first_pass
+from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
+from uvshear.interferometer.first_pass import FirstPass, first_pass
 from uvshear.io.observations import open_observation
 from uvshear.io.provenance import Provenance
 from uvshear.io.statistics import statistics_table
@@ -39,9 +38,6 @@ from uvshear.progress import Progress
 
 ObservationLike: TypeAlias = Observation | str | Path | Sequence[str | Path]
 """An observation, or the file or files that have it."""
-
-CatalogueLike: TypeAlias = Catalogue | Table | str | Path
-"""A catalogue, a table with its columns, or the file that has it."""
 
 
 def measure(
@@ -84,8 +80,10 @@ def measure(
     DataWarning
         There is something about the data that a user should know; told before the work starts.
     """
+    # The shapes themselves are all that some estimators need.
+    kept = tuple(estimator for estimator in estimators_of(keep) if estimator.columns)
     options = MeasurementOptions(
-        model or Model(), method or Method(), resources or Resources(), estimators_of(keep)
+        model or Model(), method or Method(), resources or Resources(), kept
     )
     sources = catalogue_of(catalogue)
     seen = open_observation_of(observation)
@@ -99,7 +97,6 @@ def measure(
     shapes = tabulate_shapes(sources, field, extracted, seen.phase_centre, options.model)
     made = Provenance("uvshear.measure", _names(observation, catalogue))
     shapes.meta.update(made.metadata())
-    kept = [estimator for estimator in estimators_of(keep) if estimator.columns]
     return Measurement(
         shapes=shapes,
         statistics=statistics_table(shapes, kept, extracted.kept) if kept else None,

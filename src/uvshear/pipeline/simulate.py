@@ -1,12 +1,9 @@
 """Let an array observe the galaxies of a catalogue."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
-from astropy.table import Table
-
 from uvshear.execution import SERIAL, Executor
 from uvshear.galaxy import Exponential, Galaxies, Profile
 from uvshear.geometry.directions import local_north
@@ -14,7 +11,7 @@ from uvshear.geometry.ellipticity import to_field_frame
 from uvshear.interferometer.coverage import synthesise
 from uvshear.interferometer.noise import Noise
 from uvshear.interferometer.plan import ObservingPlan
-from uvshear.io.catalogue import Catalogue, catalogue_of
+from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.observation import SimulatedObservation
@@ -25,7 +22,7 @@ Lens: TypeAlias = Callable[[Galaxies, complex | Complex[Array, " source"]], Gala
 
 
 def simulate(
-    catalogue: Catalogue | Table | str | Path,
+    catalogue: CatalogueLike,
     plan: ObservingPlan,
     *,
     noise: Noise | GalaxyNoise | None = None,
