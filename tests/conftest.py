@@ -1,7 +1,7 @@
 """Run-time checks of array types, switched on before any module of the package is imported; the list of slow tests.
 
-``tests/slow_tests.txt`` lists the tests that take long, which ``make test-fast`` leaves out. It is measured: run all tests
-with ``pytest -n auto -m "not referee" --record-slow``.
+``tests/slow_tests.txt`` lists the tests that take long, which ``make test-fast`` leaves out. All tests run with
+``pytest -n auto -m "not referee" --record-slow`` measure it anew.
 """
 
 import importlib.util

@@ -84,10 +84,11 @@ def test_a_figure_that_differs_in_its_last_digit_is_found(monkeypatch):
         ("12 %", 7.4, "7 %"),
         ("3e-5", 4.4e-5, "4e-5"),
         ("?.??", 0.874, "0.87"),
+        ("1.0 ±\n0.1 s", 0.874, "0.9 ±\n0.2 s"),
     ],
 )
 def test_a_number_is_written_as_the_text_has_it(text, value, written, monkeypatch):
-    monkeypatch.setattr(quotes, "load", lambda _: {"figure": value})
+    monkeypatch.setattr(quotes, "load", lambda _: {"figure": value, "figure_err": 0.2})
     page = quotes.rewritten(ROOT / "page.md", f"{text}<!-- run/figure -->")
     assert page == f"{written}<!-- run/figure -->"
 
