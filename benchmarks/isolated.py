@@ -16,6 +16,7 @@ import survey
 from survey import FREQUENCY, PHASE_CENTRE
 
 import uvshear
+from uvshear.constants import MICROJANSKY
 from uvshear.diagnostics.slope import fit_slope
 from uvshear.execution import in_processes
 from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable, ScaleLengths
@@ -33,7 +34,7 @@ def main() -> None:
     galaxies = draw(arguments.galaxies, arguments.seed)
     snr = np.geomspace(*arguments.snr[[0, -1]], arguments.galaxies)
     snr = np.random.default_rng(arguments.seed + 1).permutation(snr)
-    extraction = uvshear.PaperExtraction(facet=facet_method(arguments), rounds=arguments.rounds)
+    extraction = uvshear.PaperExtraction(facet=facet_method(arguments), passes=arguments.passes)
     jobs = [
         (galaxies.select(np.array([i])), float(snr[i]), arguments.seed + 100 + i)
         for i in range(arguments.galaxies)
@@ -51,7 +52,7 @@ def parse() -> argparse.Namespace:
         "--facet", choices=["exact", "cell-average", "paper-table"], default="exact"
     )
     parser.add_argument("--scale-lengths", type=float, help="field of view of a facet")
-    parser.add_argument("--rounds", type=int, default=2)
+    parser.add_argument("--passes", type=int, default=2)
     parser.add_argument("--integration-s", type=float, default=2000.0)
     parser.add_argument("--without-w", action="store_true", help="all baselines in one plane")
     parser.add_argument("--seed", type=int, default=1)

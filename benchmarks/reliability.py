@@ -1,6 +1,6 @@
 """How narrow the posteriors of isolated galaxies are, over what the Fisher matrix and the prior make of them.
 
-Galaxies and options are those of isolated.py, in one round.
+Galaxies and options are those of isolated.py, in one pass.
 
 python benchmarks/reliability.py --galaxies 100 --snr 3 10
 python benchmarks/reliability.py --galaxies 120 --snr 5 30 --facet paper-table

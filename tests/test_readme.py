@@ -21,7 +21,7 @@ GALAXIES = 100
 
 @pytest.fixture
 def field(tmp_path, monkeypatch):
-    """FIELD.ms and CAT.fits, of six galaxies at signal-to-noise ratios of some hundreds, in the working directory."""
+    """FIELD.ms and CAT.fits, of six galaxies at signal-to-noise ratios of about a hundred, in the working directory."""
     from uvshear.io.measurement_set_writer import write_measurement_set
 
     monkeypatch.chdir(tmp_path)
@@ -30,7 +30,7 @@ def field(tmp_path, monkeypatch):
         {
             "l": np.array([1.0, -1.0, 0.3, -0.6, 1.4, 0.2]) * 1e-3,
             "m": np.array([0.5, 2.0, -0.8, -1.5, -0.4, 1.2]) * 1e-3,
-            "flux": np.array([500.0, 800.0, 600.0, 700.0, 900.0, 550.0]) * units.uJy,
+            "flux": np.array([90.0, 120.0, 100.0, 110.0, 130.0, 95.0]) * units.uJy,
             "scale_length": np.array([3.0, 3.6, 3.2, 3.4, 3.8, 3.1]) * units.arcsec,
             "e1": rng.uniform(-0.3, 0.3, 6),
             "e2": rng.uniform(-0.3, 0.3, 6),
