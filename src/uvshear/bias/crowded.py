@@ -65,9 +65,7 @@ class FieldExperiment:
 
     def lensed(self, shear: complex, ellipticity_sign: int) -> Galaxies:
         """Return the galaxies, with e or -e, behind a shear."""
-        galaxies = replace(
-            self.galaxies, ellipticity=ellipticity_sign * self.galaxies.ellipticity
-        )
+        galaxies = replace(self.galaxies, ellipticity=ellipticity_sign * self.galaxies.ellipticity)
         north = local_north(self.noise.phase_centre, galaxies.l, galaxies.m)
         return self.lens(galaxies, shear_in_field_frame(shear, north))
 

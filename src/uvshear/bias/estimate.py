@@ -11,11 +11,11 @@ from uvshear.bias.survey import Survey
 from uvshear.estimators import estimator_of
 from uvshear.estimators.registry import EstimatorLike
 from uvshear.execution import Resources
+from uvshear.galaxy import Galaxies
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.pipeline.measure import measure
 from uvshear.pipeline.measurement import Measurement
-from uvshear.galaxy import Galaxies
 from uvshear.progress import Progress
 
 

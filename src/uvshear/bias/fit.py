@@ -112,7 +112,10 @@ def shears_from_sums(
 
 
 def fit_bias(
-    sums: TermSums, bins: Mapping[str, TermSums], shears: Sequence[complex], about: Sequence[complex]
+    sums: TermSums,
+    bins: Mapping[str, TermSums],
+    shears: Sequence[complex],
+    about: Sequence[complex],
 ) -> Bias:
     """Fit m and c of all galaxies and of each bin to ``shears`` that add up to zero.
 
@@ -152,6 +155,4 @@ def _fit(
     total = values.sum(axis=0)
     best, error = fit(total), jackknife_error(fit(total - values))
     response = total[:, [2, 5]].sum(axis=0) / sums.n
-    return Bias(
-        name, best[:2], error[:2], best[2:], error[2:], response, sums.n, sums.failed, bins
-    )
+    return Bias(name, best[:2], error[:2], best[2:], error[2:], response, sums.n, sums.failed, bins)

@@ -298,9 +298,7 @@ def mock_galaxies(experiment: Experiment, first: int, number: int) -> Iterator[M
     ]
     for k in range(number):
         prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
-        simulator = experiment.beam.simulator(
-            prior.log_scale_length, prior.log_scale_length_sigma
-        )
+        simulator = experiment.beam.simulator(prior.log_scale_length, prior.log_scale_length_sigma)
         noise, more = simulator.draw_noise(rng), simulator.draw_noise(more_rng)
         flux = float(galaxies.flux[k])
         is_bright = flux * simulator.snr_of_jansky(prior, FITTED) >= experiment.snr_min

@@ -81,9 +81,7 @@ class Survey:
         centre = PhaseCentre(0.0, math.radians(-30.0))
         track = Track.from_clock(centre, ((-4 * 3600, 4 * 3600),), 300.0)
         channels = Channels.from_band(950e6, 1190e6, 1)
-        return cls(
-            ObservingPlan(load_layout("ska-mid-aa4"), track, channels), snr_min=10.0
-        )
+        return cls(ObservingPlan(load_layout("ska-mid-aa4"), track, channels), snr_min=10.0)
 
     def isolated(
         self, shears: tuple[complex, ...], seed: int = 1, executor: Executor = SERIAL

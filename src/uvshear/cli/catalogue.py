@@ -46,11 +46,14 @@ def catalogue(
         float | None, typer.Option(callback=positive, help="Galaxies per square arcminute.")
     ] = None,
     count: Annotated[
-        int | None, typer.Option(callback=positive, help="Number of galaxies, instead of a density.")
+        int | None,
+        typer.Option(callback=positive, help="Number of galaxies, instead of a density."),
     ] = None,
     flux_ujy: Annotated[
         Pair,
-        typer.Option(callback=positive_range, metavar="LO HI", help="Least and largest flux density [uJy]."),
+        typer.Option(
+            callback=positive_range, metavar="LO HI", help="Least and largest flux density [uJy]."
+        ),
     ] = (10.0, 200.0),
     ring: Annotated[
         int,
@@ -69,7 +72,8 @@ def catalogue(
         ),
     ] = None,
     ra_deg: Annotated[
-        float | None, typer.Option(callback=finite, help="Right ascension of the field's centre [0].")
+        float | None,
+        typer.Option(callback=finite, help="Right ascension of the field's centre [0]."),
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uvshear.cli.panels import GroupedCommand
 from uvshear.cli.reading import (
     ColumnOption,
     ConjugateOption,
@@ -14,7 +15,6 @@ from uvshear.cli.reading import (
     SubtractOption,
     reading_of,
 )
-from uvshear.cli.panels import GroupedCommand
 from uvshear.cli.terminal import show_facts, warn
 
 if TYPE_CHECKING:

@@ -80,7 +80,9 @@ def measure(
     context: typer.Context,
     measurement_sets: Annotated[
         list[Path],
-        typer.Argument(metavar="FIELD.ms...", help="Visibilities of one pointing, in one set or more."),
+        typer.Argument(
+            metavar="FIELD.ms...", help="Visibilities of one pointing, in one set or more."
+        ),
     ],
     catalogue: Annotated[
         Path,
@@ -274,9 +276,7 @@ def measure(
         weightings=weights.weightings(uv_min or 0.0, uv_max),
     )
     executor = in_threads(threads)
-    resources = (
-        Resources(executor) if memory_gb is None else Resources(executor, memory_gb * 1e9)
-    )
+    resources = Resources(executor) if memory_gb is None else Resources(executor, memory_gb * 1e9)
     # Options that do not go together are refused before anything is read.
     MeasurementOptions(method=method, resources=resources, keep=kept)
     brightness = profile_named(profile)
@@ -384,7 +384,9 @@ def check_residual_image(image: Path, output: Path, catalogue: Path, *, overwrit
     check_image_name(image)
     for path in (image, picture_of(image)):
         if path.absolute() in {other.absolute() for other in (output, *companions(output))}:
-            raise InputError(f"--residual-image {image}: {path} is a file of -o {output} too; give two names")
+            raise InputError(
+                f"--residual-image {image}: {path} is a file of -o {output} too; give two names"
+            )
         check_file(path, overwrite=overwrite, inputs=(catalogue,))
 
 

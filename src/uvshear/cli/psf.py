@@ -48,7 +48,9 @@ def register(app: typer.Typer) -> None:
 def psf(
     measurement_sets: Annotated[
         list[Path],
-        typer.Argument(metavar="FIELD.ms...", help="Visibilities of one pointing, in one set or more."),
+        typer.Argument(
+            metavar="FIELD.ms...", help="Visibilities of one pointing, in one set or more."
+        ),
     ],
     output: Annotated[
         Path | None,

@@ -11,7 +11,9 @@ from uvshear.errors import InputError
 if TYPE_CHECKING:
     from uvshear.io.observations import Reading
 
-ColumnOption = Annotated[str, typer.Option("--column", rich_help_panel=DATA, help="Column of the visibilities.")]
+ColumnOption = Annotated[
+    str, typer.Option("--column", rich_help_panel=DATA, help="Column of the visibilities.")
+]
 SubtractOption = Annotated[
     str | None,
     typer.Option(
@@ -22,12 +24,19 @@ SubtractOption = Annotated[
     ),
 ]
 FieldOption = Annotated[
-    str | None, typer.Option("--field", rich_help_panel=DATA, help="Name or number of the field, where a set holds several.")
+    str | None,
+    typer.Option(
+        "--field",
+        rich_help_panel=DATA,
+        help="Name or number of the field, where a set holds several.",
+    ),
 ]
 ScansOption = Annotated[
     str | None,
     typer.Option(
-        "--scans", rich_help_panel=DATA, help="Scans to read, such as 3,5-8; all of them unless given."
+        "--scans",
+        rich_help_panel=DATA,
+        help="Scans to read, such as 3,5-8; all of them unless given.",
     ),
 ]
 ConjugateOption = Annotated[

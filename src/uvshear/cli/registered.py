@@ -8,7 +8,9 @@ from uvshear.errors import InputError
 from uvshear.plugins import Registry
 
 
-def known_in(*registries: Registry, besides: tuple[str, ...] = ()) -> Callable[[str | None], str | None]:
+def known_in(
+    *registries: Registry, besides: tuple[str, ...] = ()
+) -> Callable[[str | None], str | None]:
     """Return a check that a name is in one of the registries, or is one of those ``besides``, or has a colon.
 
     The name alone is looked at: what it stands for is imported when the command runs.

@@ -179,7 +179,9 @@ def simulate(
     no_noise: Annotated[
         bool,
         typer.Option(
-            "--no-noise", rich_help_panel=NOISE, help="Add no noise, and keep the weights as with it."
+            "--no-noise",
+            rich_help_panel=NOISE,
+            help="Add no noise, and keep the weights as with it.",
         ),
     ] = False,
     elevation_limit_deg: Annotated[

@@ -60,5 +60,5 @@ def _begin(function: Callable[[Any, Any], Any], shared: object) -> None:
     _job[:] = [partial(function, shared)]
 
 
-def _work(task: object) -> object:
+def _work(task: Any) -> Any:
     return _job[0](task)

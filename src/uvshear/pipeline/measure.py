@@ -23,13 +23,13 @@ from uvshear.estimators.registry import EstimatorLike, estimators_of
 from uvshear.execution import Resources
 from uvshear.extraction import Extracted, Field, MeasurementOptions, Method, Model
 from uvshear.extraction.weighted_shapes import weigh
+from uvshear.interferometer.first_pass import FirstPass, first_pass
 from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import Observation
-from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
-from uvshear.interferometer.first_pass import FirstPass, first_pass
 from uvshear.io.observations import open_observation
 from uvshear.io.provenance import Provenance
 from uvshear.io.statistics import statistics_table
+from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
 from uvshear.pipeline.field import field_of_catalogue
 from uvshear.pipeline.measurement import MeasuredField, Measurement
 from uvshear.pipeline.tabulate import catalogue_of_sky, tabulate_shapes

@@ -19,7 +19,7 @@ from uvshear.io.catalogue import Catalogue, read_catalogue, write_catalogue
 from uvshear.io.observations import open_observation
 from uvshear.io.outputs import check_file
 from uvshear.io.provenance import Provenance
-from uvshear.io.shapes import extraction_record, phase_centre_of, read_shapes, write_shapes
+from uvshear.io.shapes import extraction_record, read_shapes, write_shapes
 from uvshear.io.statistics import read_statistics, statistics_path, write_statistics
 from uvshear.io.tables import check_table_name
 from uvshear.predict.gridded import Gridding, block_of
@@ -75,9 +75,15 @@ class Measurement:
                 f"  signal-to-noise ratio {snr.min():.3g} to {snr.max():.3g} (median {np.median(snr):.3g}),"
                 f" median error of e {np.median(error):.3g}"
             )
-        kept = [] if self.statistics is None else self.statistics.meta.get("estimators", "").split(",")
-        lines.append(f"  statistics kept for: {', '.join(filter(None, kept)) or 'no estimator but the mean'}")
-        told = [f"{name} {value}" for name, value in self.record.items() if not isinstance(value, list)]
+        kept = (
+            [] if self.statistics is None else self.statistics.meta.get("estimators", "").split(",")
+        )
+        lines.append(
+            f"  statistics kept for: {', '.join(filter(None, kept)) or 'no estimator but the mean'}"
+        )
+        told = [
+            f"{name} {value}" for name, value in self.record.items() if not isinstance(value, list)
+        ]
         lines.append(f"  {', '.join(told)}")
         return "\n".join(lines)
 
@@ -86,7 +92,9 @@ class Measurement:
         target = Path(path)
         check_outputs(target, overwrite=overwrite)
         statistics, sky = companions(target)
-        made = {name: self.shapes.meta[name] for name in Provenance.KEYS if name in self.shapes.meta}
+        made = {
+            name: self.shapes.meta[name] for name in Provenance.KEYS if name in self.shapes.meta
+        }
         if self.sky is not None:
             write_catalogue(sky, self.sky, made, overwrite=overwrite)
         if self.statistics is not None:
@@ -147,9 +155,11 @@ class Measurement:
         model: Model | None,
         resources: Resources | None,
     ) -> MeasuredField:
-        if observation is None and self.field is None:
-            raise InputError("a measurement that was read from a file needs the observation for an image of it")
-        if self.field is not None and observation is None:
+        if observation is None:
+            if self.field is None:
+                raise InputError(
+                    "a measurement that was read from a file needs the observation for an image of it"
+                )
             return self.field
         seen = observation if isinstance(observation, Observation) else open_observation(observation)
         options = MeasurementOptions(model=model or Model(), resources=resources or Resources())

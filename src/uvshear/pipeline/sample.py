@@ -1,8 +1,7 @@
 """The sources of a measurement that an estimator of the shear is given."""
 
-from astropy.table import Table
-
 import numpy as np
+from astropy.table import Table
 
 from uvshear.errors import InputError
 from uvshear.estimators import Estimator, Sample

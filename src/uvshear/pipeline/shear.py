@@ -62,7 +62,9 @@ def estimate_shear(
     if correction is None:
         return found
     return replace(
-        correction.applied(found), bins=correction.applied_by_flux(found.bins), assumed=found.assumed
+        correction.applied(found),
+        bins=correction.applied_by_flux(found.bins),
+        assumed=found.assumed,
     )
 
 

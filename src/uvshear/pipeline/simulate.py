@@ -4,6 +4,7 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 import numpy as np
+
 from uvshear.execution import SERIAL, Executor
 from uvshear.galaxy import Exponential, Galaxies, Profile
 from uvshear.geometry.directions import local_north
