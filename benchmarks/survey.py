@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from uvshear.constants import MICROJANSKY
+from uvshear.execution import Executor
 from uvshear.galaxy import (
     DiscEllipticityPrior,
     Exponential,
@@ -44,16 +45,16 @@ def coverage(integration: float) -> Coverage:
 
 
 def simulate(
-    arcmin: float, density: float, integration: float, seed: int, threads: int
+    arcmin: float, density: float, integration: float, seed: int, executor: Executor
 ) -> tuple[Galaxies, VisibilitySet, VisibilitySet]:
     """Square field of galaxies with noise, and the noise alone; ``density`` is per square arcminute."""
     rng = np.random.default_rng(seed)
     field = SquareField(math.radians(arcmin / 60))
     galaxies = draw(field, round(density * arcmin**2), rng)
     baselines = coverage(integration)
-    level = GalaxyNoise().scaled_to(baselines, CHANNELS, Exponential(), threads)
+    level = GalaxyNoise().scaled_to(baselines, CHANNELS, Exponential(), executor)
     sigma = level.stokes_i_sigma
-    vis = predict_visibilities(galaxies, baselines.uvw, FREQUENCY, Exponential(), threads)
+    vis = predict_visibilities(galaxies, baselines.uvw, FREQUENCY, Exponential(), executor)
     noise = sigma * (rng.normal(size=vis.shape) + 1j * rng.normal(size=vis.shape))
     weights = np.full(vis.shape, sigma**-2, np.float32)
 

@@ -73,16 +73,17 @@ def test_normal_sums_are_those_of_the_models_derivatives(dtype, allowed, kind):
     )
     power, data = facet.power / facet.power.sum(), facet.correlation / np.sqrt(facet.power.sum())
     xy = 2 * np.pi * correlator.length * facet.uv.T
-    upper = (responses * power) @ responses.T
-    expected = np.concatenate(
-        [
-            responses @ data.real,
-            upper[np.triu_indices(4)],
-            xy @ (data.imag * model()),
-            [np.sum(power * model() ** 2 * xy[i] * xy[j]) for i, j in ((0, 0), (0, 1), (1, 1))],
-        ]
+    gram = (responses * power) @ responses.T
+    pairs = (
+        (sums.products, responses @ data.real),
+        (sums.gram, gram),
+        (sums.position_gradient, xy @ (data.imag * model())),
+        (sums.position_curvature, (xy * power * model() ** 2) @ xy.T),
     )
-    np.testing.assert_allclose(sums, expected, rtol=0, atol=allowed * np.abs(expected).max())
+    largest = max(np.abs(expected).max() for _, expected in pairs)
+    for got, expected in pairs:
+        np.testing.assert_allclose(got, expected, rtol=0, atol=allowed * largest)
+    assert sums.norm == sums.gram[0, 0]
 
 
 def test_units_cancel_in_what_comes_out():

@@ -22,6 +22,10 @@ class Executor(ABC):
         """Number of tasks that run at the same time."""
 
     @abstractmethod
+    def at_most(self, workers: int) -> "Executor":
+        """Return an executor of this kind with no more workers than this, for tasks that need much memory each."""
+
+    @abstractmethod
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield ``function(task)`` for every task; all tasks share the memory of this process.
 

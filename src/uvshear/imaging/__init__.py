@@ -1,6 +1,6 @@
-"""Between visibilities and images: pixels, tiles, and the gridder with its signs."""
+"""From visibilities to images and back: pixels, tiles of the sky, facets cut out of images, and the gridder."""
 
+from uvshear.imaging.dirty_image import dirty_image
 from uvshear.imaging.grid import ImageGrid
-from uvshear.imaging.gridder import dirty_image
 
 __all__ = ["ImageGrid", "dirty_image"]

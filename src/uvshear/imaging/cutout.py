@@ -7,6 +7,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy import fft
 
+from uvshear.numerics.fft_sizes import fast_size
+from uvshear.numerics.half_plane import HalfPlane, half_plane
 from uvshear.typing import Array, Complex, Float, Int
 
 
@@ -30,31 +32,27 @@ class Cutout:
     longest: float
 
     @cached_property
+    def _half_plane(self) -> HalfPlane:
+        return half_plane(self.size, self.pixel, self.shortest, self.longest)
+
+    @property
     def cells(self) -> tuple[Int[Array, " cell"], Int[Array, " cell"]]:
-        """Their places in what ``rfft2`` returns."""
-        u = fft.fftfreq(self.size, self.pixel)[:, None]
-        v = fft.rfftfreq(self.size, self.pixel)[None, :]
-        distance = np.hypot(u, v)
-        # Of the pairs +-u at v = 0 one is enough.
-        kept = (distance >= self.shortest) & (distance <= self.longest) & ((v > 0) | (u >= 0))
-        i, j = np.nonzero(kept)
-        return i, j
+        """Positions of the cells in what ``rfft2`` returns."""
+        return self._half_plane.index
 
-    @cached_property
+    @property
     def uv(self) -> Float[Array, "cell 2"]:
-        """Cell centres [wavelengths]."""
-        i, j = self.cells
-        u, v = fft.fftfreq(self.size, self.pixel), fft.rfftfreq(self.size, self.pixel)
-        return np.column_stack([u[i], v[j]])
+        """Centres of the cells [wavelengths]."""
+        return self._half_plane.uv
 
-    @cached_property
+    @property
     def multiplicity(self) -> Float[Array, " cell"]:
-        """How often a cell counts: twice, for it stands for its opposite too, but once at the origin."""
-        return np.where(np.hypot(*self.uv.T) == 0, 1.0, 2.0)
+        """Number of cells of the whole plane that each cell stands for."""
+        return self._half_plane.multiplicity
 
     @cached_property
     def origin(self) -> int:
-        """Place of the cell at u = v = 0; only where ``shortest`` is 0."""
+        """Index of the cell at u = v = 0, which exists only where ``shortest`` is 0."""
         return int(np.argmin(np.hypot(*self.uv.T)))
 
     @cached_property
@@ -109,7 +107,4 @@ def cutout(size: int, pixel: float, shortest: float, longest: float) -> Cutout:
 
 def cutout_size(width: float, pixel: float) -> int:
     """Pixels to a side for a width [rad]: a multiple of four that is quick to transform at both pixels."""
-    size = max(4 * math.ceil(width / pixel / 4), 32)
-    while fft.next_fast_len(size // 4, real=True) != size // 4:
-        size += 4
-    return size
+    return fast_size(max(width / pixel, 32), multiple=4)

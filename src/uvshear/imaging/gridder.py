@@ -1,4 +1,10 @@
-"""Visibilities to dirty image: the only caller of the gridder, and the only place that knows its signs."""
+"""Fourier transforms between visibilities and images: the only importer of ducc0, and the only place with its signs.
+
+Everywhere else a source at (l, m) has visibilities exp(+2 pi i [u l + v m + w (n - 1)]). The gridder's kernel is
+exp(+2 pi i [u x + v y - w (n - 1)]) in its images, so that the signs of u and v turn it into ours.
+"""
+
+from typing import Any
 
 import ducc0
 import numpy as np
@@ -7,47 +13,128 @@ from uvshear.execution import SERIAL, Executor
 from uvshear.imaging.grid import ImageGrid
 from uvshear.typing import Array, Bool, Complex, Float
 
+_OUR_SIGNS = {"flip_u": True, "flip_v": True}
 
-def dirty_image(
+POINT_EPSILON = 1e-7
+"""Relative error of :func:`visibilities_at`."""
+
+
+def grid(
     uvw: Float[Array, "row 3"],
     frequency: Float[Array, " chan"],
     vis: Complex[Array, "row chan"],
-    weights: Float[Array, "row chan"],
-    grid: ImageGrid,
+    image: ImageGrid,
     *,
-    with_w: bool = True,
+    epsilon: float,
+    with_w: bool,
+    weights: Float[Array, "row chan"] | None = None,
     mask: Bool[Array, "row chan"] | None = None,
-    epsilon: float = 1e-5,
     executor: Executor = SERIAL,
 ) -> Float[Array, "l m"]:
-    r"""Natural-weight dirty image, not divided by the sum of weights [Jy^-1 for visibilities in Jy].
+    r"""Image of visibilities, a sum and not a mean.
 
     .. math:: b(l, m) = \sum_k w_k \mathrm{Re}[d_k e^{-2\pi i (u_k l + v_k m + w_k (n - 1))}]
 
-    Relative error ``epsilon`` in the root mean square. Single precision for complex64 visibilities
-    (``epsilon`` >= 1e-5), double otherwise.
+    Parameters
+    ----------
+    uvw
+        Baselines [m].
+    frequency
+        Channel centres, in rising order [Hz].
+    vis, weights
+        d and w, in one precision; weights are 1 unless given.
+    image
+        Pixels of the image.
+    epsilon
+        Relative error in the root mean square, at least 1e-5 for single precision.
+    with_w
+        Whether the term w (n - 1) counts.
+    mask
+        Visibilities that take part; all unless given.
+    executor
+        Its number of workers is the gridder's number of threads.
     """
-    if (
-        len(frequency) > 1 and frequency[0] > frequency[-1]
-    ):  # a lower sideband; the gridder wants it rising
-        frequency, vis, weights = frequency[::-1], vis[:, ::-1], weights[:, ::-1]
-        mask = None if mask is None else mask[:, ::-1]
-    # The gridder's kernel is exp(+2 pi i [u x + v y - w (n-1)]): the signs of u and v turn it into ours.
-    # A baseline out of the mask still counts in the gridder's choice of w-planes, hence the selection.
     return ducc0.wgridder.vis2dirty(
-        uvw=np.asarray(uvw, float) * (-1.0, -1.0, 1.0),
+        uvw=uvw,
         freq=frequency,
         vis=vis,
-        wgt=weights.astype(vis.real.dtype, copy=False),
+        wgt=weights,
         mask=None if mask is None else mask.astype(np.uint8),
-        npix_x=grid.size,
-        npix_y=grid.size,
-        pixsize_x=grid.pixel,
-        pixsize_y=grid.pixel,
-        center_x=grid.l0,
-        center_y=grid.m0,
-        epsilon=epsilon,
-        do_wgridding=with_w,
-        divide_by_n=False,
-        nthreads=executor.workers,
+        npix_x=image.size,
+        npix_y=image.size,
+        **_shared(image, epsilon, with_w=with_w, executor=executor),
     )
+
+
+def degrid(
+    uvw: Float[Array, "row 3"],
+    frequency: Float[Array, " chan"],
+    pixels: Float[Array, "l m"],
+    image: ImageGrid,
+    *,
+    epsilon: float,
+    with_w: bool,
+    executor: Executor = SERIAL,
+) -> Complex[Array, "row chan"]:
+    r"""Visibilities of an image, the adjoint of :func:`grid`.
+
+    .. math:: d_k = \sum_{l, m} b(l, m)\, e^{2\pi i (u_k l + v_k m + w_k (n - 1))}
+
+    Parameters
+    ----------
+    uvw
+        Baselines [m].
+    frequency
+        Channel centres, in rising order [Hz].
+    pixels
+        Values b of the pixels of ``image``.
+    epsilon
+        Relative error in the root mean square, at least 1e-5 for single precision.
+    with_w
+        Whether the term w (n - 1) counts.
+    executor
+        Its number of workers is the gridder's number of threads.
+    """
+    return ducc0.wgridder.dirty2vis(
+        uvw=uvw,
+        freq=frequency,
+        dirty=pixels,
+        **_shared(image, epsilon, with_w=with_w, executor=executor),
+    )
+
+
+def visibilities_at(
+    image: Complex[Array, "l m"], pixel: float, uv: Float[Array, "point 2"]
+) -> Complex[Array, " point"]:
+    """Sum of a complex image over its pixels with exp(+2 pi i (u l + v m)), at any points of the uv plane.
+
+    Parameters
+    ----------
+    image
+        Values of the pixels; the origin of l and m is pixel (n // 2, n // 2).
+    pixel
+        Width of a pixel [rad].
+    uv
+        Points at which the transform is evaluated [wavelengths].
+    """
+    return np.asarray(
+        ducc0.nufft.u2nu(
+            grid=image, coord=uv * pixel, forward=False, epsilon=POINT_EPSILON, periodicity=1.0
+        )
+    )
+
+
+def _shared(
+    image: ImageGrid, epsilon: float, *, with_w: bool, executor: Executor
+) -> dict[str, Any]:
+    """Arguments that gridding and degridding have in common."""
+    return _OUR_SIGNS | {
+        "pixsize_x": image.pixel,
+        "pixsize_y": image.pixel,
+        "center_x": -image.l0,  # the flips of u and v apply to the centre too
+        "center_y": -image.m0,
+        "epsilon": epsilon,
+        "do_wgridding": with_w,
+        "divide_by_n": False,
+        "nthreads": executor.workers,
+    }

@@ -1,4 +1,4 @@
-"""Numba kernels of moving the phase centre, over samples."""
+"""Numba kernels that change the phase centre, over samples."""
 
 from uvshear.compilation import compiled
 from uvshear.geometry.kernels import sine_cosine_of_turns
@@ -6,7 +6,7 @@ from uvshear.geometry.kernels import sine_cosine_of_turns
 
 @compiled
 def rotate_phase(uvw, per_metre, lmn1, vis, rotated):  # type: ignore[no-untyped-def]
-    """Multiply by exp(-2 pi i (u l + v m + w (n-1))): the phase centre moves to (l, m)."""
+    """Multiply by exp(-2 pi i (u l + v m + w (n-1))), which moves the phase centre to (l, m)."""
     l, m, n1 = lmn1[0] * per_metre, lmn1[1] * per_metre, lmn1[2] * per_metre
     for i in range(vis.size):
         sine, cosine = sine_cosine_of_turns(uvw[0, i] * l + uvw[1, i] * m + uvw[2, i] * n1)
@@ -16,16 +16,16 @@ def rotate_phase(uvw, per_metre, lmn1, vis, rotated):  # type: ignore[no-untyped
 
 @compiled
 def to_tangent_plane(uvw, lmn1, baselines, real, imaginary):  # type: ignore[no-untyped-def]
-    """Baselines [wavelengths] of the plane tangent at a direction, in the gridder's signs, and the phase there.
+    """Write the baselines [wavelengths] of the plane tangent at a direction, and the phase there.
 
-    Writes (-(u - w l/n), -(v - w m/n), w) and exp(2 pi i (u l + v m + w (n-1))).
+    These are (u - w l/n, v - w m/n, w) and exp(2 pi i (u l + v m + w (n-1))).
     """
     l, m, n1 = lmn1
     slope_l, slope_m = l / (1 + n1), m / (1 + n1)
     for i in range(real.size):
         u, v, w = uvw[i, 0], uvw[i, 1], uvw[i, 2]
-        baselines[i, 0] = w * slope_l - u
-        baselines[i, 1] = w * slope_m - v
+        baselines[i, 0] = u - w * slope_l
+        baselines[i, 1] = v - w * slope_m
         baselines[i, 2] = w
         sine, cosine = sine_cosine_of_turns(u * l + v * m + w * n1)
         real[i] = cosine

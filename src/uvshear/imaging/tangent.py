@@ -1,36 +1,37 @@
-"""Imaging in the plane tangent at a direction, where w hardly matters: a tile's image, and its adjoint."""
+"""Imaging in the plane tangent at a direction, where w hardly matters: the image of a tile, and its adjoint."""
 
 import math
 from dataclasses import dataclass
 from typing import Self
 
-import ducc0
 import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.geometry.directions import n_minus_one
+from uvshear.imaging.grid import ImageGrid
+from uvshear.imaging.gridder import degrid, grid
 from uvshear.imaging.kernels import to_tangent_plane
 from uvshear.typing import Array, Complex, Float
 
 NEGLIGIBLE_PHASE = 0.01
-"""Phase pi w x^2 in a tile's corner up to which all baselines lie in one plane [rad]."""
+"""Phase pi w x^2 in the corner of a tile up to which all baselines are taken to lie in one plane [rad]."""
 
 IN_WAVELENGTHS = np.array([SPEED_OF_LIGHT])
-"""The frequency at which a metre is a wavelength."""
+"""Frequency at which a baseline of one metre is one wavelength long [Hz]."""
 
 
 @dataclass(frozen=True)
 class TangentPlane:
-    r"""Baselines as seen from (l, m), and their phase there.
+    r"""Baselines as seen from a direction (l, m), and the phase of a source there.
 
     With x the distance from (l, m), w (n - 1) = w (n_0 - 1) - w (l x_l + m x_m)/n_0 - w x^2/2 + ...: the first term
-    is a phase, the second a shift of (u, v), the third is what the gridder's w-planes are for. Beyond that
-    remains w x^2/2 times about l^2 + m^2: 1e-4 turns in the corner of a tile at 0.7 deg, for w = 3e5.
+    is a phase, the second is a shift of (u, v), and the gridder's w-planes take the third into account. The remainder
+    is w x^2/2 times about l^2 + m^2, which is 1e-4 turns in the corner of a tile at 0.7 deg for w = 3e5.
 
     Parameters
     ----------
     baselines
-        In the gridder's signs: (-u, -v, w) [wavelengths].
+        (u - w l/n, v - w m/n, w) [wavelengths].
     phase
         exp(2 pi i (u l + v m + w (n-1))).
     """
@@ -40,7 +41,7 @@ class TangentPlane:
 
     @classmethod
     def at(cls, uvw: Float[Array, "sample 3"], l: float, m: float) -> Self:
-        """See baselines [wavelengths] from a direction."""
+        """Baselines ``uvw`` [wavelengths] as seen from the direction (l, m)."""
         n1 = float(n_minus_one(np.array([l]), np.array([m]))[0])
         baselines = np.empty((len(uvw), 3))
         phase = np.empty(len(uvw), np.complex64)
@@ -54,55 +55,65 @@ class TangentPlane:
     ) -> Float[Array, "l m"]:
         r"""Sum of Re[vis exp(-2 pi i (u l + v m + w (n-1)))] on square pixels about the direction.
 
-        Pixel (i, j) is (i - size/2, j - size/2) pixels away from it; ``vis`` has its weights in it.
+        Pixel (i, j) is (i - size/2, j - size/2) pixels away from the direction.
+
+        Parameters
+        ----------
+        vis
+            Visibilities, multiplied by their weights.
+        size
+            Number of pixels along a side.
+        pixel
+            Width of a pixel [rad].
+        epsilon
+            Relative error of the gridder.
         """
         phased = vis * self.phase.conj()
-        return ducc0.wgridder.vis2dirty(
-            uvw=self.baselines,
-            freq=IN_WAVELENGTHS,
-            vis=phased[:, None].astype(np.complex64, copy=False),
-            npix_x=size,
-            npix_y=size,
-            pixsize_x=pixel,
-            pixsize_y=pixel,
+        return grid(
+            self.baselines,
+            IN_WAVELENGTHS,
+            phased[:, None].astype(np.complex64, copy=False),
+            ImageGrid(size, pixel),
             epsilon=epsilon,
-            do_wgridding=self._needs_w(size * pixel / 2),
-            divide_by_n=False,
-            nthreads=1,
+            with_w=self._needs_w(size * pixel / 2),
         )
 
     def beam(
         self, weights: Complex[Array, " sample"], size: int, pixel: float, epsilon: float
     ) -> Float[Array, "l m"]:
-        """Image of a unit point source at the direction, in one plane: w is negligible so near."""
-        return ducc0.wgridder.vis2dirty(
-            uvw=self.baselines,
-            freq=IN_WAVELENGTHS,
-            vis=weights[:, None],
-            npix_x=size,
-            npix_y=size,
-            pixsize_x=pixel,
-            pixsize_y=pixel,
+        """Image of a unit point source at the direction; w is negligible so near to it, and left out.
+
+        Parameters
+        ----------
+        weights
+            Weights of the samples, with an imaginary part of zero.
+        size
+            Number of pixels along a side.
+        pixel
+            Width of a pixel [rad].
+        epsilon
+            Relative error of the gridder.
+        """
+        return grid(
+            self.baselines,
+            IN_WAVELENGTHS,
+            weights[:, None],
+            ImageGrid(size, pixel),
             epsilon=epsilon,
-            do_wgridding=False,
-            divide_by_n=False,
-            nthreads=1,
+            with_w=False,
         )
 
     def visibilities(
         self, image: Float[Array, "l m"], pixel: float, epsilon: float
     ) -> Complex[Array, " sample"]:
-        """Sum of image exp(+2 pi i (u l + v m + w (n-1))): the adjoint of :meth:`image`."""
-        vis = ducc0.wgridder.dirty2vis(
-            uvw=self.baselines,
-            freq=IN_WAVELENGTHS,
-            dirty=image,
-            pixsize_x=pixel,
-            pixsize_y=pixel,
+        """Sum of image exp(+2 pi i (u l + v m + w (n-1))), the adjoint of :meth:`image`."""
+        vis = degrid(
+            self.baselines,
+            IN_WAVELENGTHS,
+            image,
+            ImageGrid(len(image), pixel),
             epsilon=epsilon,
-            do_wgridding=self._needs_w(len(image) * pixel / 2),
-            divide_by_n=False,
-            nthreads=1,
+            with_w=self._needs_w(len(image) * pixel / 2),
         )
         return vis[:, 0] * self.phase
 

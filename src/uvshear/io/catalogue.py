@@ -1,6 +1,7 @@
 """Catalogues of sources: any table astropy reads, checked, in SI and radians."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
@@ -15,7 +16,6 @@ from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.registry import PROFILES
 from uvshear.geometry.directions import PhaseCentre, direction_cosines, equatorial
 from uvshear.io.columns import Columns
-from uvshear.io.provenance import Provenance
 from uvshear.io.source_finders import in_our_columns
 from uvshear.io.tables import read_table, write_table
 from uvshear.typing import Array, Bool, Complex, Float, Shaped
@@ -320,7 +320,7 @@ def catalogue_from_galaxies(
     )
 
 
-def catalogue_table(catalogue: Catalogue, provenance: Provenance | None = None) -> Table:
+def catalogue_table(catalogue: Catalogue, provenance: Mapping[str, str] | None = None) -> Table:
     """Return the catalogue with units and descriptions, as it is written."""
     table = Table()
 
@@ -360,14 +360,14 @@ def catalogue_table(catalogue: Catalogue, provenance: Provenance | None = None) 
         table.meta["ra0_deg"] = math.degrees(catalogue.field_centre.ra)
         table.meta["dec0_deg"] = math.degrees(catalogue.field_centre.dec)
     if provenance is not None:
-        table.meta.update(provenance.metadata())
+        table.meta.update(provenance)
     return table
 
 
 def write_catalogue(
     path: Path,
     catalogue: Catalogue,
-    provenance: Provenance | None = None,
+    provenance: Mapping[str, str] | None = None,
     *,
     overwrite: bool = False,
 ) -> None:

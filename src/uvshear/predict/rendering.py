@@ -10,6 +10,7 @@ from uvshear.galaxy import Galaxies, Profile
 from uvshear.geometry.ellipticity import quadratic_form
 from uvshear.imaging.bands import Band
 from uvshear.imaging.tiles import Tile
+from uvshear.numerics.fft_sizes import fast_size
 from uvshear.predict import kernels
 from uvshear.typing import Array, Complex, Float
 
@@ -58,10 +59,7 @@ def render(
 
 def stamp_size(half_width: float, pixel: float) -> int:
     """Pixels of a stamp, even and quick to transform."""
-    size = max(2 * math.ceil(half_width / pixel), SMALLEST_STAMP)
-    while size % 2 or fft.next_fast_len(size, real=True) != size:
-        size += 1
-    return size
+    return fast_size(max(2 * math.ceil(half_width / pixel), SMALLEST_STAMP))
 
 
 def transform_on_stamp(

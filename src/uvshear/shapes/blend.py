@@ -1,30 +1,31 @@
 r"""Galaxies that overlap, fitted together.
 
-The common likelihood of two galaxies at less than their own size from one another has a long, bent valley: fitted in
-turn they creep along it, and a Gauss-Newton step that nobody checks leaves it. Here every step is checked against the
-likelihood itself. With r_i the residual facet of source i (all models subtracted, as they are at the start), P the
-beam on cells fine enough for the group, and d the change of the group's visibilities since the start,
+The common likelihood of two galaxies that are closer to one another than their own size has a long, bent valley. Fits
+of one galaxy after the other creep along it, and a Gauss-Newton step that nobody checks leaves it. Here every step is
+checked against the likelihood itself. With r_i the residual facet of source i (all models subtracted, as they are at
+the start), P the beam on cells fine enough for the group, and d the change of the group's visibilities since the start,
 
 .. math:: \Delta\log L = \sum_i \langle r_i, d_i \rangle - \tfrac{1}{2} \langle d, d \rangle_P .
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from uvshear.galaxy import Profile
 from uvshear.interferometer.facet import BeamPlane, Facet
+from uvshear.numerics.damped_newton import Ascent, Schedule, climb
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.normal_equations import real_product
 from uvshear.shapes.prior import ShapePrior
 from uvshear.shapes.template import PARAMETERS, Template, moved
 from uvshear.typing import Array, Complex, Float
 
-_TOLERANCE = 1e-3
-_MOST_STEPS = 30
-_MOST_DAMPING = 1e6
+_SCHEDULE = Schedule(
+    tolerance=1e-3, most_steps=30, first=1e-3, least=0.0, most=1e6, short=float("inf")
+)
 
 
 @dataclass(frozen=True)
@@ -34,13 +35,13 @@ class Member:
     Parameters
     ----------
     residual
-        Facet with all models subtracted, its own too, centred where its prior puts it.
+        Facet from which all models are subtracted, that of the source too; its centre is that of the source's prior.
     prior
-        Of its shape, a sky model's.
+        Prior of the source's shape, with the terms of a sky model.
     profile
-        Its brightness profile.
+        Brightness profile of the source.
     place
-        Of its facet's centre, from the centre of the group [rad].
+        Position of the facet's centre relative to the centre of the group [rad].
     """
 
     residual: Facet
@@ -52,49 +53,71 @@ class Member:
 def fit_group(
     members: Sequence[Member], plane: BeamPlane, starts: Sequence[GalaxyFit]
 ) -> list[GalaxyFit]:
-    """Most likely galaxies of a group, by Levenberg-Marquardt steps of all at once."""
+    """Most likely galaxies of a group, by damped Gauss-Newton steps of all members at once.
+
+    Parameters
+    ----------
+    members
+        Sources of the group.
+    plane
+        Beam on cells fine enough for the whole group.
+    starts
+        Galaxies that were subtracted from the residual facets.
+    """
     group = _Group(members, plane, starts)
-    fits = list(starts)
-    score, damping = group.log_posterior(fits), 1e-3
-    gradient, information = group.normal_equations(fits)
-    for _ in range(_MOST_STEPS):
-        damped = information + damping * np.diag(np.diag(information))
-        step = np.linalg.solve(damped, gradient)
-        if gradient @ step < _TOLERANCE:
-            break
-        parts = step.reshape(-1, PARAMETERS)
-        trial = [moved(fit, part) for fit, part in zip(fits, parts, strict=True)]
-        gain = -math.inf
-        if all(fit.flux > 0 for fit in trial):
-            gain = group.log_posterior(trial) - score
-        if gain <= 0:
-            damping *= 10
-            if damping > _MOST_DAMPING:
-                break
-            continue
-        fits, score, damping = trial, score + gain, damping / 10
-        if gain < _TOLERANCE:
-            break
-        gradient, information = group.normal_equations(fits)
+    summit = climb(group, _Trial(group, tuple(starts)), _SCHEDULE)
     return [
         replace(new, snr=old.snr * new.flux / old.flux)
-        for new, old in zip(fits, starts, strict=True)
+        for new, old in zip(summit.point.fits, starts, strict=True)
     ]
 
 
-class _Group:
+@dataclass(frozen=True)
+class _Trial:
+    """Galaxies of the group; their normal equations are worked out when a step is asked for."""
+
+    group: "_Group"
+    fits: tuple[GalaxyFit, ...]
+
+    @cached_property
+    def normal_equations(self) -> tuple[Float[Array, " n"], Float[Array, "n n"]]:
+        return self.group.normal_equations(self.fits)
+
+
+class _Group(Ascent[_Trial, Array]):
+    """The log posterior of a group as a function to climb."""
+
     def __init__(
         self, members: Sequence[Member], plane: BeamPlane, starts: Sequence[GalaxyFit]
     ) -> None:
         self._members, self._power = members, plane.power.astype(np.float32)
-        self._own = [Template(one.residual.uv, one.profile) for one in members]
-        self._common = [Template(plane.uv, one.profile, one.place) for one in members]
-        self._data = [one.residual.correlation[None, :].astype(np.complex64) for one in members]
+        self._own = [Template(member.residual.uv, member.profile) for member in members]
+        self._common = [Template(plane.uv, member.profile, member.place) for member in members]
+        self._data = [
+            member.residual.correlation[None, :].astype(np.complex64) for member in members
+        ]
         self._own_start = [t.model(fit) for t, fit in zip(self._own, starts, strict=True)]
         self._common_start = self._total(starts)
 
+    def step(self, point: _Trial, damping: float) -> tuple[Float[Array, " n"], float]:
+        """Return the step in the parameters of all galaxies."""
+        gradient, information = point.normal_equations
+        damped = information + damping * np.diag(np.diag(information))
+        step = np.linalg.solve(damped, gradient)
+        return step, float(gradient @ step)
+
+    def trial(self, point: _Trial, step: Float[Array, " n"]) -> _Trial | None:
+        """Return the galaxies after a step; None where a flux is no longer positive."""
+        parts = step.reshape(-1, PARAMETERS)
+        fits = tuple(moved(fit, part) for fit, part in zip(point.fits, parts, strict=True))
+        return _Trial(self, fits) if all(fit.flux > 0 for fit in fits) else None
+
+    def height(self, point: _Trial) -> float:
+        """Return the log posterior."""
+        return self.log_posterior(point.fits)
+
     def log_posterior(self, fits: Sequence[GalaxyFit]) -> float:
-        """Log posterior but for a constant."""
+        """Log posterior up to a constant."""
         change = self._total(fits) - self._common_start
         score = -0.5 * float(np.sum(self._power * np.abs(change) ** 2, dtype=float))
         for k, fit in enumerate(fits):
@@ -106,7 +129,7 @@ class _Group:
     def normal_equations(
         self, fits: Sequence[GalaxyFit]
     ) -> tuple[Float[Array, " n"], Float[Array, "n n"]]:
-        """Gradient of the log posterior, and the Fisher information with the priors."""
+        """Gradient of the log posterior, and the Fisher matrix with the priors."""
         responses = np.concatenate(
             [t.responses(fit) for t, fit in zip(self._common, fits, strict=True)]
         )

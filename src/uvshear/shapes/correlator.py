@@ -1,6 +1,6 @@
-"""A facet against templates: the sums over cells from which every likelihood is made.
+"""Correlation of a facet with templates: the sums over cells from which every likelihood is made.
 
-Here positions count in units of the correlator's ``length``, fluxes in units of its ``flux_unit``.
+Positions are in units of the correlator's ``length``, fluxes in units of its ``flux_unit``.
 """
 
 import math
@@ -15,23 +15,24 @@ from uvshear.geometry.ellipticity import (
 )
 from uvshear.interferometer.facet import Facet
 from uvshear.shapes import kernels
+from uvshear.shapes.normal_sums import COUNT, NormalSums
 from uvshear.typing import Array, Complex, Float
 
 BLOCK = kernels.BLOCK
-"""Cells to a block of the matrix product."""
+"""Number of cells in a block of the matrix product."""
 
 CHUNK = 8 * BLOCK
-"""Cells whose templates are made at a time: those of a batch stay in the second-level cache."""
+"""Number of cells on which the templates of a batch are made at a time; so many stay in the second-level cache."""
 
 TEMPLATES = 48
-"""Templates to a batch."""
+"""Number of templates in a batch."""
 
 
 class Correlator:
-    """One facet in the units of its fit, with work space; not to be shared between executor.
+    """One facet in the units of its fit, with work space of its own: two threads may not share a correlator.
 
-    uv is divided by its largest value, weighted data by the square root of the total power, so that the
-    numbers are of order one and fit float32, the default ``dtype``: twice as fast as float64.
+    uv is divided by its largest value, and the weighted data by the square root of the total power. The numbers are
+    then of order one and suit float32, the default ``dtype``, which is twice as fast as float64.
     """
 
     def __init__(
@@ -56,29 +57,29 @@ class Correlator:
         self.centre = np.zeros(2)
 
     def move_to(self, centre: Float[Array, " 2"]) -> None:
-        """Put the origin of positions at ``centre`` (from the facet's centre, in units of ``length``)."""
+        """Put the origin of positions at ``centre``, counted from the centre of the facet in units of ``length``."""
         real, imaginary = np.empty_like(self._q), np.empty_like(self._q)
         self._displace(self._x, self._y, centre[0], centre[1], *self._origin, real, imaginary)
         self._centred = (real, imaginary)
         self.centre = np.array(centre, float)
 
     def form(self, ellipticity: complex, log_scale_length: float) -> Float[Array, " 3"]:
-        """Coefficients of q = 4 pi^2 alpha^2 |A^-T k|^2 in the scaled uv."""
+        """Coefficients of q = 4 pi^2 alpha^2 |A^-T k|^2 as a quadratic form of the scaled uv."""
         return quadratic_form_of(ellipticity, math.exp(log_scale_length) / self.length)
 
     def form_derivatives(
         self, ellipticity: complex, log_scale_length: float
     ) -> Float[Array, "3 3"]:
-        """Differentiate :meth:`form` by e1, e2 and ln alpha, a row each."""
+        """Differentiate :meth:`form` with respect to e1, e2 and ln alpha, one row each."""
         return quadratic_form_derivatives(ellipticity, math.exp(log_scale_length) / self.length)
 
     def envelope(self, form: Float[Array, " 3"]) -> Float[Array, " cell"]:
-        """Unit-flux Fourier transform of the template on the cells."""
+        """Fourier transform of a template of unit flux on the cells."""
         kernels.quadratic(self._x, self._y, form, self._q)
         return self.profile.envelope(self._q)
 
     def displaced_to(self, nodes: Float[Array, "node 2"]) -> Float[Array, "node cell"]:
-        """Real part of the data with each node (from the present centre) moved to the origin."""
+        """Real part of the data with each node, counted from the present centre, moved to the origin."""
         real = np.empty((len(nodes), self._q.size), self._q.dtype)
         imaginary = np.empty_like(self._q)
         for node, row in zip(nodes, real, strict=True):
@@ -91,10 +92,17 @@ class Correlator:
         log_scale_length: Float[Array, " sample"],
         displaced: Float[Array, "node cell"],
     ) -> tuple[Float[Array, "sample node"], Float[Array, " sample"]]:
-        """Cross-correlation <d, m> of each template at each node, and its <m, m>.
+        """Cross-correlation <d, m> of each template at each node, and <m, m> of each template.
 
-        A matrix product, templates times displaced data, over blocks of cells: within a block in the
-        correlator's precision, from there on in float64. Blocks are small enough for BLAS to stay on one thread.
+        This is a matrix product of templates and displaced data over blocks of cells: it runs in the precision of the
+        correlator within a block, and in float64 over the blocks. Blocks are so small that BLAS stays on one thread.
+
+        Parameters
+        ----------
+        ellipticity, log_scale_length
+            Shapes of the templates; the size is ln(scale length / rad).
+        displaced
+            Data at the nodes, from :meth:`displaced_to`.
         """
         size = np.exp(log_scale_length) / self.length
         forms = np.stack(quadratic_form(ellipticity, size), axis=-1)
@@ -116,23 +124,21 @@ class Correlator:
         kernels.quadratics(x, y, forms, q)
         return self.profile.envelope(q)
 
-    def normal_sums(
-        self, form: Float[Array, " 3"], derivatives: Float[Array, "3 3"]
-    ) -> Float[Array, " 19"]:
-        """Gauss-Newton sums at the present centre; see the kernel for their order."""
+    def normal_sums(self, form: Float[Array, " 3"], derivatives: Float[Array, "3 3"]) -> NormalSums:
+        """Gauss-Newton sums at the present centre, of a template with the given :meth:`form` and its derivatives."""
         envelope = self.envelope(form)
         slope = self.profile.envelope_slope(self._q)
-        sums = np.empty(19)
+        sums = np.empty(COUNT)
         kernels.normal_sums(
             envelope, slope, self._x, self._y, derivatives, *self._centred, self.power, sums
         )
-        return sums
+        return NormalSums(sums)
 
 
 def _blocked_product(
     templates: Float[Array, "sample cell"], data: Float[Array, "node cell"]
 ) -> Float[Array, "sample node"]:
-    """Sum templates x data over cells, in their precision over blocks of ``BLOCK`` cells and in float64 across."""
+    """Sum templates x data over the cells: in their precision within a block, in float64 over the blocks."""
     whole = templates.shape[1] // BLOCK * BLOCK
     blocks = [
         part[:, :whole].reshape(len(part), -1, BLOCK).swapaxes(0, 1) for part in (templates, data)

@@ -1,6 +1,6 @@
-"""Numba kernels of the fit: one pass over the cells of a facet each, in the dtype of the cells.
+"""Numba kernels of the fits: each makes one pass over the cells of a facet, in the dtype of the cells.
 
-Sums run in that dtype over blocks of 256 cells and in float64 from there on.
+Sums run in that dtype over blocks of 256 cells, and in float64 over the blocks.
 """
 
 import math
@@ -42,12 +42,12 @@ def add_norms(envelopes, power, norms):  # type: ignore[no-untyped-def]
 def normal_sums(  # type: ignore[no-untyped-def]
     envelope, slope, x, y, forms, real, imaginary, power, sums
 ):
-    """Gauss-Newton sums for unit flux.
+    """Write the Gauss-Newton sums for unit flux; ``normal_sums.NormalSums`` names them.
 
-    The responses are V, and V' dq/dp for p = e1, e2, ln alpha with dq/dp the quadratic forms ``forms``;
-    those of the position, i x V and i y V, are imaginary and decouple. Written into ``sums``: the four
-    products with the data, the ten of the responses with one another weighted by the power (upper triangle
-    by rows), two for the gradient in position, three for its curvature.
+    The responses are V to the flux, and V' dq/dp to p = e1, e2, ln alpha with dq/dp the quadratic forms ``forms``;
+    those to the position, i x V and i y V, are imaginary and decouple. Into ``sums`` go the four products of the
+    responses with the data, their ten products with one another weighted by the power (the upper triangle by rows),
+    two sums for the gradient with respect to the position, and three for its curvature.
     """
     zero = x.dtype.type(0)
     f = forms.astype(x.dtype)
@@ -107,7 +107,7 @@ def normal_sums(  # type: ignore[no-untyped-def]
 
 @compiled
 def displace(x, y, shift_x, shift_y, real, imaginary, new_real, new_imaginary):  # type: ignore[no-untyped-def]
-    """Multiply by exp(-i (x shift_x + y shift_y)): what stood at the shift stands at the centre."""
+    """Multiply by exp(-i (x shift_x + y shift_y)), which moves what stood at the shift to the centre."""
     a, b = shift_x / (2 * math.pi), shift_y / (2 * math.pi)
     for i in range(x.size):
         sine, cosine = sine_cosine_of_turns(x[i] * a + y[i] * b)
@@ -117,7 +117,7 @@ def displace(x, y, shift_x, shift_y, real, imaginary, new_real, new_imaginary): 
 
 @compiled
 def displace_single(x, y, shift_x, shift_y, real, imaginary, new_real, new_imaginary):  # type: ignore[no-untyped-def]
-    """Do the same with phases in single precision."""
+    """Do the same as :func:`displace` with phases in single precision."""
     a, b = shift_x / (2 * math.pi), shift_y / (2 * math.pi)
     for i in range(x.size):
         sine, cosine = sine_cosine_of_turns_single(x[i] * a + y[i] * b)
@@ -144,9 +144,9 @@ def argument(uv, form, q):  # type: ignore[no-untyped-def]
 
 @compiled
 def respond(uv, phase, envelope, slope, by_shape, flux, out):  # type: ignore[no-untyped-def]
-    """Write the derivatives of flux * envelope * phase by flux, e1, e2, ln alpha, l, m, a row each.
+    """Write the derivatives of flux * envelope * phase with respect to flux, e1, e2, ln alpha, l, m, one row each.
 
-    ``slope`` is d(envelope)/dq, and the rows of ``by_shape`` hold the derivatives of q's coefficients.
+    ``slope`` is d(envelope)/dq, and the rows of ``by_shape`` hold the derivatives of the coefficients of q.
     """
     for i in range(phase.size):
         u, v = uv[i, 0], uv[i, 1]

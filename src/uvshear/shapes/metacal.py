@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uvshear.imaging.points import visibilities_at
+from uvshear.imaging.gridder import visibilities_at
 from uvshear.interferometer.facet import Facet
 from uvshear.shapes.deconvolution import Disc, EvenPart, OddPart
 from uvshear.typing import Array, Complex, Float

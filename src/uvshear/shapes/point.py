@@ -1,4 +1,4 @@
-"""The fit of an unresolved source: flux and position."""
+"""The fit of an unresolved source: its flux and its position."""
 
 import math
 
@@ -7,29 +7,45 @@ import numpy as np
 from uvshear.galaxy.profile import Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.shapes.correlator import Correlator
-from uvshear.shapes.maximum import hexagonal_lattice, peak_width
+from uvshear.shapes.lattices import hexagonal_lattice
+from uvshear.shapes.maximum import peak_width
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Float
 
-_STEPS = 20
-_TOLERANCE = 1e-4
+_MOST_STEPS = 20
+_TOLERANCE = 1e-4  # of the error of the position
 
 
 class Point(Profile):
-    """A point source: the same on all baselines."""
+    """A point source, which all baselines see alike."""
 
     def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
-        """1 everywhere."""
+        """Return 1 everywhere."""
         return np.ones_like(q)
 
     def envelope_slope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
-        """0 everywhere."""
+        """Return 0 everywhere."""
         return np.zeros_like(q)
 
 
 def fit_point(facet: Facet, prior: ShapePrior, start: GalaxyFit | None = None) -> GalaxyFit | None:
-    """Most likely point source. None where no positive flux fits, or only far from where it is expected."""
+    """Most likely point source; None where no positive flux fits, or only far from where the source is expected.
+
+    The steps are plain Gauss-Newton steps no longer than the peak is wide, not damped ones that are checked
+    (``numerics.damped_newton``): the norm of a point source is the same everywhere, so that the likelihood has no
+    valleys within the peak from which the fit starts, and a facet of one baseline, along which nothing is known,
+    takes the shortest of all steps that solve its singular equations.
+
+    Parameters
+    ----------
+    facet
+        Facet from which all other sources are subtracted.
+    prior
+        Prior of the source; only that of the position counts.
+    start
+        Point source to start from; without one the fit starts from the highest pixel within the prior.
+    """
     if len(facet.uv) == 0 or float(np.sum(facet.power)) <= 0:
         return None
     correlator = Correlator(facet, Point(), np.float64)
@@ -43,15 +59,15 @@ def fit_point(facet: Facet, prior: ShapePrior, start: GalaxyFit | None = None) -
     else:
         position = start.offset / correlator.length
     flux, norm = 0.0, 1.0
-    for _ in range(_STEPS):
+    for _ in range(_MOST_STEPS):
         correlator.move_to(position)
         sums = correlator.normal_sums(np.zeros(3), np.zeros((3, 3)))
-        norm = float(sums[4])
-        flux = float(sums[0]) / norm
+        norm = sums.norm
+        flux = float(sums.products[0]) / norm
         if flux <= 0:
             return None
-        curvature = flux * sums[[16, 17, 17, 18]].reshape(2, 2)
-        step = np.linalg.lstsq(curvature, sums[14:16], rcond=1e-9)[0]
+        curvature = flux * sums.position_curvature
+        step = np.linalg.lstsq(curvature, sums.position_gradient, rcond=1e-9)[0]
         length = float(np.hypot(*step))
         position = position + step * min(1.0, width / max(length, 1e-30))
         if flux * float(step @ curvature @ step) < _TOLERANCE**2:

@@ -20,7 +20,8 @@ from scipy.special import log_ndtr
 
 from uvshear.shapes.correlator import Correlator
 from uvshear.shapes.interpolative import CondensedCorrelator
-from uvshear.shapes.maximum import BestFit, hexagonal_lattice
+from uvshear.shapes.lattices import hexagonal_lattice
+from uvshear.shapes.maximum import BestFit
 from uvshear.shapes.posterior_modes import Likely
 from uvshear.typing import Array, Complex, Float
 

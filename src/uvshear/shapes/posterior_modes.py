@@ -6,13 +6,8 @@ from typing import Self
 import numpy as np
 
 from uvshear.shapes.correlator import Correlator
-from uvshear.shapes.maximum import (
-    BestFit,
-    hexagonal_lattice,
-    peak_width,
-    search_radius,
-    shape_lattice,
-)
+from uvshear.shapes.lattices import hexagonal_lattice, shape_lattice
+from uvshear.shapes.maximum import BestFit, peak_width, search_radius
 from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Complex, Float
 

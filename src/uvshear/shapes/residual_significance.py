@@ -7,7 +7,7 @@ import numpy as np
 from uvshear.galaxy import Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.shapes.correlator import Correlator
-from uvshear.shapes.maximum import hexagonal_lattice
+from uvshear.shapes.lattices import hexagonal_lattice
 
 SIGNIFICANT = 5.5
 """Standard deviations at which a residual is no noise: 4e-8 of either sign, at a hundred places a source."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from uvshear.galaxy import Profile
 from uvshear.interferometer.facet import Facet
+from uvshear.numerics.symmetric import smallest_eigenvalue
 from uvshear.shapes.correlator import Correlator
 from uvshear.shapes.maximum import (
     BestFit,
@@ -90,9 +91,7 @@ def _galaxy(best: BestFit, correlator: Correlator) -> GalaxyFit:
 
 def is_determined(best: BestFit) -> bool:
     """Whether the visibilities fix a position: one baseline does not."""
-    scale = np.sqrt(np.maximum(np.diag(best.position_information), 1e-30))
-    values = np.linalg.eigvalsh(best.position_information / np.outer(scale, scale))
-    return bool(values.min() > SINGULAR)
+    return smallest_eigenvalue(best.position_information) > SINGULAR
 
 
 def _has_data(facet: Facet) -> bool:

@@ -15,6 +15,7 @@ multiplies the residual only and the true model is a fixed point whatever the fa
 
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy import fft
@@ -28,6 +29,8 @@ from uvshear.imaging.phase import baselines_seen_from, shift_phase_centre
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Visibilities
+from uvshear.numerics.fft_sizes import fast_size
+from uvshear.numerics.half_plane import half_plane
 from uvshear.typing import Array, Bool, Float
 
 OVERSAMPLING = 1.2
@@ -57,7 +60,9 @@ class ExactFacets(FacetMethod):
         """Begin the facet of one source."""
         uv_max = target.informative_uv_max
         pixel = 1 / (2 * OVERSAMPLING * uv_max)
-        grid = ImageGrid(_even_fast_size(self._width(target) / pixel), pixel)
+        # Sizes with factors up to 11 lie closer to one another than those with factors up to 5.
+        size = fast_size(max(self._width(target) / pixel, 32), real=False)
+        grid = ImageGrid(size, pixel)
         band = UvRange(target.uv_range.minimum, uv_max)
         return _ExactBuilder(target, profile, grid, band, self.epsilon, power)
 
@@ -67,13 +72,6 @@ class ExactFacets(FacetMethod):
         wanted = min(2 * target.half_width, WIDEST * least)
         steps = math.ceil(math.log(max(wanted / least, 1.0)) / math.log(1.25) - 1e-9)
         return least * 1.25**steps
-
-
-def _even_fast_size(pixels: float) -> int:
-    size = max(math.ceil(pixels), 32)
-    while size % 2 or fft.next_fast_len(size) != size:
-        size += 1
-    return size
 
 
 class _ExactBuilder(FacetBuilder):
@@ -90,8 +88,10 @@ class _ExactBuilder(FacetBuilder):
         self._l, self._m = float(target.galaxy.l[0]), float(target.galaxy.m[0])
         self._band, self._grid, self._epsilon = band, grid, epsilon
         self._cutout = np.zeros((grid.size, grid.size))
-        self._uv, self._multiplicity, self._kept = _half_plane(grid, band)
-        # The beam does not depend on any model: one round is enough, unless the facet has grown since.
+        # Outside the range there is nothing but what truncation spills: power of either sign.
+        cells = half_plane(grid.size, grid.pixel, band.minimum, band.maximum)
+        self._uv, self._multiplicity, self._kept = cells.uv, cells.multiplicity, cells.index
+        # The beam does not depend on any model: one pass is enough, unless the facet has grown since.
         is_known = power is not None and len(power) == len(self._uv)
         self._power = np.asarray(power, float) if is_known else None
         self._beam = np.zeros((grid.size, grid.size))
@@ -140,6 +140,10 @@ class _ExactBuilder(FacetBuilder):
         w_max = float(np.abs(uvw[:, 2]).max() * frequency.max()) / SPEED_OF_LIGHT
         return math.pi * w_max * half_width**2 > LARGEST_PHASE
 
+    def merge(self, later: Self) -> None:
+        self._cutout += later._cutout
+        self._beam += later._beam
+
     def facet(self, model: Galaxies) -> Facet:
         uv, kept = self._uv, self._kept
         scale = self._multiplicity / self._grid.size**2
@@ -162,16 +166,3 @@ def _transform(image: Float[Array, "l m"]) -> Array:
     paired = image.copy()
     paired[0, :] = paired[:, 0] = 0
     return fft.rfft2(fft.ifftshift(paired))
-
-
-def _half_plane(
-    grid: ImageGrid, band: UvRange
-) -> tuple[Float[Array, "cell 2"], Float[Array, " cell"], tuple[Array, ...]]:
-    """Cells of half the uv plane within a uv range, how often each counts, and where they are kept."""
-    u = fft.fftfreq(grid.size, grid.pixel)[:, None]
-    v = fft.rfftfreq(grid.size, grid.pixel)[None, :]
-    # Out of the range there is nothing but what truncation spills: power of either sign.
-    distance = np.hypot(u, v)
-    kept = np.nonzero((distance >= band.minimum) & (distance <= band.maximum))
-    uv = np.column_stack([np.broadcast_to(x, (grid.size, v.size))[kept] for x in (u, v)])
-    return uv, np.where(uv[:, 1] == 0, 1.0, 2.0), kept
