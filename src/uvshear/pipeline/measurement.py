@@ -155,15 +155,13 @@ class Measurement:
         model: Model | None,
         resources: Resources | None,
     ) -> MeasuredField:
-        if observation is None and self.field is None:
-            raise InputError(
-                "a measurement that was read from a file needs the observation for an image of it"
-            )
-        if self.field is not None and observation is None:
+        if observation is None:
+            if self.field is None:
+                raise InputError(
+                    "a measurement that was read from a file needs the observation for an image of it"
+                )
             return self.field
-        seen = (
-            observation if isinstance(observation, Observation) else open_observation(observation)
-        )
+        seen = observation if isinstance(observation, Observation) else open_observation(observation)
         options = MeasurementOptions(model=model or Model(), resources=resources or Resources())
         limits = self.record.get("uv_range")
         uv_range = UvRange(*limits) if isinstance(limits, list) else UvRange()
