@@ -127,5 +127,7 @@ def _reader_named(name: str | Reader) -> Reader:
     found = READERS.find(name) if isinstance(name, str) else name
     reader = found() if isinstance(found, type) else found
     if not isinstance(reader, Reader):
-        raise InputError(f"the reader '{name}' is no Reader but a {type(reader).__name__}")
+        raise InputError(
+            f"the reader '{name}' is not a Reader but has the type {type(reader).__name__}"
+        )
     return reader
