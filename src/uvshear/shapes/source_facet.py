@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
@@ -87,6 +87,7 @@ class SourceFacet:
         return measure_shape(self.facet, self.prior, self.profile)
 
 
+@runtime_checkable
 class Statistic(Protocol):
     """Numbers of a source that are worked out from its facet and kept beside its shape."""
 
