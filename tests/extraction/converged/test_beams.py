@@ -149,9 +149,7 @@ def test_a_coarse_spectrum_is_the_fourier_sum_of_the_fine_beam_on_the_cells_that
 
 
 def test_threads_do_not_change_a_bit(one_channel, beams):
-    np.testing.assert_array_equal(
-        _gather(one_channel, executor=in_threads(2)).images, beams.images
-    )
+    np.testing.assert_array_equal(_gather(one_channel, executor=in_threads(2)).images, beams.images)
 
 
 def test_the_block_held_in_memory_hardly_changes_the_beams(one_channel, beams):
