@@ -99,7 +99,7 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, threads: int) -> Table:
     )
     nothing = replace(galaxies, flux=np.zeros(len(galaxies)))
     gridding = Gridding(executor=in_threads(threads))
-    response = Response.of(galaxies)
+    response = Response.from_sky(galaxies)
     beams = gather_beams(noise, lm, (0.0, float(uv_max.max())), plan.pixel, response, gridding)
     half = np.full(len(galaxies), 20 * ARCSEC)
     residuals = gather_residuals(

@@ -146,7 +146,7 @@ def extract(
     attenuation = options.attenuation(observation.phase_centre.dec)
     if not options.extraction.models_losses:
         attenuation = None
-    response = Response.of(field.sky.select(field.modelled), extent.probes, attenuation)
+    response = Response.from_sky(field.sky.select(field.modelled), extent.probes, attenuation)
     quoted = with_natural_snr(
         extracted.measurements,
         observation,
@@ -319,7 +319,7 @@ def _prepare(
         reference_frequency=sources.reference_frequency,
     )
     # What averaging and primary beams leave next to nothing of cannot be modelled.
-    response = Response.of(sky, extent.probes, options.attenuation(phase_centre.dec))
+    response = Response.from_sky(sky, extent.probes, options.attenuation(phase_centre.dec))
     unseen = is_modelled & (response.attenuations(sky) < FAINTEST)
     flags[unseen] = FitFlag.OUTSIDE_FIELD
     is_modelled &= ~unseen

@@ -118,7 +118,7 @@ class Beam:
         pixel = 1 / (2 * OVERSAMPLING * longest)
         gridding = Gridding(executor=executor)
         beams = gather_beams(
-            observation, np.zeros((1, 2)), (0.0, longest), pixel, Response.of(galaxies), gridding
+            observation, np.zeros((1, 2)), (0.0, longest), pixel, Response.from_sky(galaxies), gridding
         )
         return cls(beams.images[0], pixel, longest)
 

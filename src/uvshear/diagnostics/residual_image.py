@@ -153,7 +153,7 @@ def residual_image(
     longest = used.maximum * (1 + 1e-9)  # the longest baseline itself takes part
     chosen = _direct if len(sky) * extent.samples <= DIRECT else _tiled
     predict = chosen(
-        _modelled(sky, profile, Response.of(sky, extent.probes, attenuation), grid, longest),
+        _modelled(sky, profile, Response.from_sky(sky, extent.probes, attenuation), grid, longest),
         used.minimum,
         longest,
         gridding,
@@ -210,7 +210,7 @@ def _modelled(
 def _direct(sky: ModelledSky, shortest: float, longest: float, gridding: Gridding) -> Predict:
     """Models summed source by source."""
     galaxies, response = sky.galaxies, sky.response
-    shared = response.shared(galaxies, shortest, longest)
+    shared = response.shared_factors(galaxies, shortest, longest)
     flat = np.zeros(len(galaxies))
     in_wavelengths = np.array([SPEED_OF_LIGHT])
 
@@ -223,7 +223,7 @@ def _direct(sky: ModelledSky, shortest: float, longest: float, gridding: Griddin
             )
             l, m = float(galaxies.l[source]), float(galaxies.m[source])
             index = float(galaxies.spectral_index[source])
-            model += vis[:, 0] * response.own(samples, l, m, index)
+            model += vis[:, 0] * response.source_factor(samples, l, m, index)
         return model * response.gain(samples.frequency)
 
     return predict

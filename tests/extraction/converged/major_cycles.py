@@ -62,7 +62,7 @@ class Visit:
         return gather_residuals(self.observation, self.plan, self.modelled(model), gridding)
 
     def modelled(self, model: Galaxies) -> ModelledSky:
-        response = Response.of(model, measure_extent(self.observation).probes, self.attenuation)
+        response = Response.from_sky(model, measure_extent(self.observation).probes, self.attenuation)
         return ModelledSky(model, np.full(len(model), HALF_WIDTH), response, PROFILE)
 
 

@@ -95,7 +95,7 @@ def test_norms_are_those_of_exact_facets():
     longest = seen.target.informative_uv_max
     wanted = Wanted(galaxy.l, galaxy.m, np.full(1, 4e-4), np.full(1, longest))
     plan = plan_visit(wanted, 0.0, longest)
-    response = Response.of(galaxy)
+    response = Response.from_sky(galaxy)
     lm = np.column_stack([galaxy.l, galaxy.m])
     observation = VisibilitySet(vla("b")[1], (seen.seen,))
     beams = gather_beams(observation, lm, (0.0, longest), plan.pixel, response, GRIDDING)

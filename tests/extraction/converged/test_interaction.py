@@ -63,14 +63,14 @@ class Field:
             lm,
             (0.0, LONGEST),
             self.plan.pixel,
-            Response.of(SKY),
+            Response.from_sky(SKY),
             GRIDDING,
         )
         object.__setattr__(self, "beams", beams)
         object.__setattr__(self, "before", self.residuals(SKY))
 
     def residuals(self, sky):
-        model = ModelledSky(sky, np.full(5, 120 * ARCSEC), Response.of(sky), PROFILE)
+        model = ModelledSky(sky, np.full(5, 120 * ARCSEC), Response.from_sky(sky), PROFILE)
         return gather_residuals(self.observation, self.plan, model, GRIDDING)
 
     def interaction(self):

@@ -229,7 +229,7 @@ def coupled():
     vis = np.zeros((len(uvw), 1), complex)
     observation = VisibilitySet(centre, (Visibilities(uvw, L_BAND, vis, np.ones(vis.shape)),))
     plan = plan_visit(Wanted(*lm.T, np.full(10, 120 * ARCSEC), np.full(10, LONGEST)), 0.0, LONGEST)
-    beams = gather_beams(observation, lm, (0.0, LONGEST), plan.pixel, Response.of(sky), GRIDDING)
+    beams = gather_beams(observation, lm, (0.0, LONGEST), plan.pixel, Response.from_sky(sky), GRIDDING)
     interaction = Interaction(plan, beams, PROFILE)
     fits = [GalaxyFit(float(flux), np.zeros(2), 0.2 - 0.1j, 4 * ARCSEC, 10.0) for flux in sky.flux]
     return Coupled(lm, fits, beams, interaction, couple(lm, fits, beams, interaction, PROFILE, 1))

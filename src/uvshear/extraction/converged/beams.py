@@ -117,7 +117,7 @@ def gather_beams(
         ) -> tuple[int, Float[Array, "l m"], int]:
             node, rows = task
             plane = TangentPlane.at(samples.uvw[rows], *nodes[node])
-            seen = unit[rows] * response.aside(samples.select(rows), *nodes[node].tolist()) ** 2
+            seen = unit[rows] * response.matched_filter(samples.select(rows), *nodes[node].tolist()) ** 2
             return node, plane.beam(seen, SIZE, pixel, gridding.epsilon), len(plane.phase)
 
         for node, part, count in gridding.executor.map(image, tasks):

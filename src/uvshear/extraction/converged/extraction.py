@@ -43,7 +43,8 @@ from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.response import Response
 from uvshear.progress import Meter, Progress
-from uvshear.shapes.measurement import FitFlag, GalaxyFit, ShapeMeasurement, inflated
+from uvshear.shapes.measurement import FitFlag, GalaxyFit, ShapeMeasurement
+from uvshear.shapes.neighbours import marginalise_neighbours
 from uvshear.shapes.residual_significance import SIGNIFICANT, residual_significance
 from uvshear.shapes.shape import measure_shape
 from uvshear.shapes.source_facet import Kept, SourceFacet, noise_named
@@ -137,7 +138,7 @@ class _Run:
         self._members = field.modelled
         sky = field.sky.select(self._members)
         extent = field.extent
-        self._response = Response.of(
+        self._response = Response.from_sky(
             sky, extent.probes, setting.model.attenuation(observation.phase_centre.dec)
         )
         self._common = self._response.strengths(sky)
@@ -310,7 +311,9 @@ class _Run:
             facet = settlement.facet(k)
             trust = float(self._field.trust[self._members[k]])
             known = share * trust
-            shape = measure_shape(facet, source.prior.measured, profile, start, share=known)
+            shape = measure_shape(
+                facet, source.prior.measured, profile, start, information_fraction=known
+            )
             if shape.flag is FitFlag.OK:
                 size = math.exp(source.prior.log_scale_length)
                 left = residual_significance(settlement.residual(k), profile, size)
@@ -319,7 +322,7 @@ class _Run:
             if neighbours is None:
                 return shape
             held, free = neighbours.held / trust, neighbours.free / trust
-            return inflated(shape, held, free, neighbours.shift, share)
+            return marginalise_neighbours(shape, held, free, neighbours.shift, share)
 
         measurements = {}
         shapes = self._setting.resources.executor.map(sample, galaxies)

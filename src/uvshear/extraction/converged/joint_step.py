@@ -20,7 +20,7 @@ from uvshear.extraction.converged.interaction import Interaction
 from uvshear.galaxy import Profile
 from uvshear.numerics.symmetric import regularised_inverse, with_eigenvalue_floor
 from uvshear.shapes.measurement import GalaxyFit
-from uvshear.shapes.normal_equations import NormalEquations, couplings
+from uvshear.shapes.normal_equations import NormalEquations, fisher_blocks
 from uvshear.shapes.template import PARAMETERS
 from uvshear.typing import Array, Bool, Float, Int
 
@@ -99,7 +99,7 @@ def couple(
         own, others = task
         centre = place[own[0]]
         members = own + others
-        blocks = couplings(
+        blocks = fisher_blocks(
             [tuple(place[k] - centre) for k in members],
             [fits[k] for k in members],
             profile,

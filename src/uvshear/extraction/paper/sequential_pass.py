@@ -108,7 +108,7 @@ class Sweep:
     def _measure(self, source: int, facet: Facet) -> ShapeMeasurement:
         prior, start = self._prior(source), self._fits.get(source)
         trust = float(self._field.trust[source])
-        return measure_shape(facet, prior, self._setting.model.profile, start, share=trust)
+        return measure_shape(facet, prior, self._setting.model.profile, start, information_fraction=trust)
 
     def _prior(self, source: int) -> ShapePrior:
         setting = self._setting
