@@ -1,9 +1,8 @@
-"""What a galaxy is: its parameters, its profile, and what is known of it before it is measured.
+"""Galaxies: their parameters, their brightness profiles, and the priors of these.
 
-``Galaxies`` is the container that the rest of the package passes round. A profile of your own is
-one module here: subclass ``Profile`` and define ``envelope``, as ``exponential`` does; a prior of
-the ellipticity likewise: ``EllipticityPrior`` and ``relative_density``. ``flux`` and ``size`` hold
-the distributions of Rivi & Miller 2018, section 3.
+``Galaxies`` is the container that the rest of the package passes on. A profile is a subclass of ``Profile`` that
+defines ``envelope``, as in ``exponential``; a prior of the ellipticity is a subclass of ``EllipticityPrior`` that
+defines ``relative_density``. ``flux`` and ``size`` hold the distributions of Rivi & Miller 2018, section 3.
 """
 
 from uvshear.galaxy.ellipticity_prior import (

@@ -1,7 +1,7 @@
 """Bands of baseline lengths: short baselines need few pixels, and most baselines are short.
 
-Four in five baselines of SKA-Mid are shorter than a fifth of the longest that carries information on galaxies. Each band
-is imaged on pixels of its own, which are twice as wide as those of the next longer band.
+Four in five baselines of SKA-Mid are shorter than a fifth of the longest that carries information on galaxies. Each
+band is imaged on pixels of its own, which are twice as wide as those of the next longer band.
 """
 
 from dataclasses import dataclass
@@ -12,8 +12,8 @@ OVERSAMPLING = 1.2
 """Nyquist frequency of the finest pixels over the longest baseline."""
 
 COARSE_FRACTION = 0.75
-"""Longest baseline of a coarser band over the one that the same oversampling would allow. Its pixels then oversample 1.6
-times, which interpolation to finer pixels requires."""
+"""Longest baseline of a coarser band over the one that the same oversampling would allow. Its pixels then oversample
+1.6 times, which interpolation to finer pixels requires."""
 
 MOST_BANDS = 4
 """Largest number of bands."""

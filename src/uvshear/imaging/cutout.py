@@ -119,5 +119,5 @@ def cutout(size: int, pixel: float, shortest: float, longest: float) -> Cutout:
 
 
 def cutout_size(width: float, pixel: float) -> int:
-    """Number of pixels along a side for a width [rad]: quick to transform, on pixels twice as wide too."""
+    """Find a number of pixels for a width [rad] that is quick to transform, on pixels twice as wide too."""
     return fast_size(max(width / pixel, 32), multiple=4)

@@ -47,7 +47,7 @@ class Losses:
         rows: slice,
         chan: int,
     ) -> Samples:
-        """Samples of some rows of one channel, without their data."""
+        """Select some rows of one channel, without their data."""
         baselines = uvw[rows] * (frequency[chan] / SPEED_OF_LIGHT)
         count, taken = len(baselines), self.integrations
         width = 0.0 if self.width is None else self.width[chan]

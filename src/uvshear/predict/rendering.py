@@ -68,7 +68,7 @@ def render(
 
 
 def stamp_size(half_width: float, pixel: float) -> int:
-    """Number of pixels along a side of a stamp: even, and quick to transform."""
+    """Find the number of pixels along a side of a stamp: even, and quick to transform."""
     return fast_size(max(2 * math.ceil(half_width / pixel), SMALLEST_STAMP))
 
 

@@ -1,8 +1,8 @@
 r"""Response of the samples to sources: their spectra, and what averaging and primary beams leave of them.
 
 The factor with which samples see a source is a smooth function of its position and of its spectral index. The factors
-of all sources of a tile are combinations of those of a few sources, the columns that a pivoted QR of the factors at some
-samples picks. The image of a tile is one image for all samples and cannot carry such factors; a few images can.
+of all sources of a tile are combinations of those of a few sources, the columns that a pivoted QR of the factors at
+some samples picks. The image of a tile is one image for all samples and cannot carry such factors; a few images can.
 """
 
 from dataclasses import dataclass, replace
