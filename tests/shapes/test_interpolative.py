@@ -1,4 +1,4 @@
-"""Condensed templates against the sums over all cells."""
+"""Templates on a few of the cells against the sums over all cells."""
 
 import numpy as np
 import pytest

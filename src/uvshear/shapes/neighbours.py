@@ -13,7 +13,7 @@ FARTHEST = 0.5
 of 2.8 per square arcminute is 0.7 per cent larger; with 0.1, slopes are 0.002 lower."""
 
 
-def marginalise_neighbours(
+def with_neighbours_marginalised(
     shape: ShapeMeasurement,
     conditional: Float[Array, "6 6"],
     marginal: Float[Array, "6 6"],

@@ -175,7 +175,7 @@ def sample_about(
     starts = _coordinates(np.array([best.ellipticity]), np.array([best.log_scale_length]))
     if others is not None:
         starts = np.vstack([starts, others])
-    density = _Density(position, prior, information_fraction)
+    density = _PosteriorDensity(position, prior, information_fraction)
     found = shape_covariance(best)
     axes = _axes(found, steps)
     for _ in range(_MOST_ATTEMPTS):
@@ -228,7 +228,7 @@ def _core(covariance: Float[Array, "3 3"]) -> Int[Array, "point 3"]:
 
 
 @dataclass(frozen=True)
-class _Density:
+class _PosteriorDensity:
     """Log density of the posterior at a shape, up to a constant."""
 
     position: PositionQuadrature
@@ -255,7 +255,7 @@ class _Lattice:
 
     def __init__(
         self,
-        density: _Density,
+        density: _PosteriorDensity,
         starts: Float[Array, "sample 3"],
         axes: Float[Array, "3 3"],
         core: Int[Array, "point 3"],

@@ -44,7 +44,7 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.response import Response
 from uvshear.progress import Meter, Progress
 from uvshear.shapes.measurement import FitFlag, GalaxyFit, ShapeMeasurement
-from uvshear.shapes.neighbours import marginalise_neighbours
+from uvshear.shapes.neighbours import with_neighbours_marginalised
 from uvshear.shapes.residual_significance import SIGNIFICANT, residual_significance
 from uvshear.shapes.shape import measure_shape
 from uvshear.shapes.source_facet import Kept, SourceFacet, noise_named
@@ -322,7 +322,7 @@ class _Run:
             if neighbours is None:
                 return shape
             held, free = neighbours.held / trust, neighbours.free / trust
-            return marginalise_neighbours(shape, held, free, neighbours.shift, share)
+            return with_neighbours_marginalised(shape, held, free, neighbours.shift, share)
 
         measurements = {}
         shapes = self._setting.resources.executor.map(sample, galaxies)
