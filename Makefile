@@ -2,29 +2,42 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-INSTALLED := $(VENV)/.installed
+PACKAGE := $(VENV)/.package
+TOOLS := $(VENV)/.tools
 
-.PHONY: install demo test lint referees test-referees chain clean
+.PHONY: install demo test test-fast lint types referees test-referees chain clean
 
-install: $(INSTALLED)
+install: $(PACKAGE) $(TOOLS)
 
-$(INSTALLED): pyproject.toml
+# What a user needs, about 800 MB; all that the demo takes.
+$(PACKAGE): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --upgrade "pip>=25.1"
-	$(BIN)/pip install --quiet --editable . --group test --group lint
+	$(BIN)/pip install --quiet --editable .
 	touch $@
 
-demo: install
+# What the tests and the developers need besides.
+$(TOOLS): $(PACKAGE)
+	$(BIN)/pip install --quiet --group test --group lint
+	touch $@
+
+demo: $(PACKAGE)
 	$(BIN)/uvshear demo uvshear-demo --overwrite
 
 lint: install
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-test: lint
-	$(BIN)/pytest -n 2 -m "not referee"
+types: install
+	$(BIN)/mypy
+
+test: lint types
+	$(BIN)/pytest -n auto -m "not referee"
+
+# Less than a minute: neither the slow tests nor those that need other programs.
+test-fast: install
+	$(BIN)/pytest -n auto -m "not slow and not referee"
 
 # The only target that installs Debian packages (wsclean), and it needs root for that.
 referees: install
@@ -34,7 +47,7 @@ referees: install
 test-referees: referees
 	$(BIN)/pytest -m referee
 
-# simulate, wsclean, PyBDSF, measure, shear: what comes of a source finder's catalogue, against the true one.
+# simulate, wsclean, PyBDSF, measure, shear: the shapes from a source finder's catalogue beside those from the true one.
 chain: referees
 	$(BIN)/python benchmarks/chain.py uvshear-chain --overwrite
 

@@ -1,14 +1,16 @@
-"""A crowded field against the same galaxies, with the same noise, alone in the field; SKA-Mid AA4, 8 h.
+"""A crowded field compared with the same galaxies, with the same noise, alone in the field; SKA-Mid AA4, 8 h.
 
+    python benchmarks/crowded.py --field-arcmin 60 --integration-s 60 --record crowded
     python benchmarks/crowded.py --field-arcmin 38 --density 2.8 --table density.ecsv
     python benchmarks/crowded.py --field-arcmin 20 --density 8 --extraction paper --table density.ecsv
 
-The isolated fit of a galaxy takes the residual facet of the noise alone, of all baselines, and puts the galaxy's true
-model on it. Rows are added to the table; ``density_figure.py`` draws it.
+The first is the paper's square degree: its record holds the slopes by the paper's definition and by others, the
+fraction of flagged galaxies, time and memory. The isolated fit of a galaxy takes the residual facet of the noise alone,
+with all baselines, and puts the galaxy's true model on it. ``--table`` adds rows to a table, which
+``density_figure.py`` draws.
 """
 
 import argparse
-import json
 import math
 import resource
 import time
@@ -18,13 +20,13 @@ from pathlib import Path
 import numpy as np
 import survey
 from astropy.table import Table, vstack
-from uvshear.execution.concurrency import in_order
+from record import RESULTS, write_record
+from slopes import slope_figures
 
 import uvshear
 from uvshear.constants import ARCSEC, MICROJANSKY
 from uvshear.diagnostics.slope import fit_slope, population_weights
-from uvshear.execution import in_threads
-from uvshear.extraction import ConvergedExtraction, MeasurementOptions, PaperExtraction
+from uvshear.execution import Executor, in_threads
 from uvshear.extraction.converged.beams import gather_beams
 from uvshear.extraction.converged.major_cycle import Gridding, ModelledSky, gather_residuals
 from uvshear.extraction.converged.plan import SMALL, Wanted, plan_visit
@@ -42,28 +44,59 @@ BRIGHT = 25 * MICROJANSKY
 
 
 def main() -> None:
-    """Simulate, measure both ways, print."""
+    """Simulate, measure both ways, print, write."""
     arguments = parse()
-    threads = arguments.threads
+    executor = in_threads(arguments.threads)
     galaxies, observation, noise = survey.simulate(
-        arguments.field_arcmin, arguments.density, arguments.integration_s, arguments.seed, threads
+        arguments.field_arcmin, arguments.density, arguments.integration_s, arguments.seed, executor
     )
-    print(f"{len(galaxies)} galaxies, {sum(map(len, observation.blocks))} rows", flush=True)
-    extraction = ConvergedExtraction() if arguments.extraction == "converged" else PaperExtraction()
-    options = MeasurementOptions(extraction=extraction, executor=in_threads(threads))
+    rows = sum(map(len, observation.blocks))
+    print(f"{len(galaxies)} galaxies, {rows} rows", flush=True)
+    is_converged = arguments.extraction == "converged"
+    method = uvshear.Method(
+        extraction=uvshear.ConvergedExtraction() if is_converged else uvshear.PaperExtraction()
+    )
     catalogue = catalogue_from_galaxies(galaxies, survey.PHASE_CENTRE)
     wall, cpu = time.perf_counter(), time.process_time()
-    shapes = uvshear.measure(observation, catalogue, options)
+    measurement = uvshear.measure(
+        observation, catalogue, method=method, resources=uvshear.Resources(executor=executor)
+    )
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6  # of kilobytes
     print(f"{arguments.extraction}: {wall:.1f} s wall, {cpu:.1f} s CPU, {memory:.2f} GB at most")
-    print(json.loads(shapes.meta["extract"]), flush=True)
-    alone = None if arguments.without_isolated else isolated(galaxies, noise, threads)
+    print(measurement.record, flush=True)
+    shapes = measurement.shapes
+    flags, counts = np.unique(np.array(shapes["flag"]), return_counts=True)
+    print(", ".join(f"{n} {flag}" for flag, n in zip(flags, counts, strict=True)), flush=True)
+    alone = None if arguments.without_isolated else isolated(galaxies, noise, executor)
+    if arguments.record:
+        flagged = int(np.sum(np.array(shapes["flag"]) != "ok"))
+        found = {
+            "galaxies": len(galaxies),
+            "rows": rows,
+            "flagged": flagged,
+            "flagged_percent": 100 * flagged / len(galaxies),
+            "wall_min": wall / 60,
+            "cpu_s": cpu,
+            "cpu_s_per_galaxy": cpu / len(galaxies),
+            "memory_gb": memory,
+            **slopes_of(galaxies, shapes),
+        }
+        if alone is not None:
+            of_alone = slopes_of(galaxies, alone)
+            found |= {f"alone_{name}": value for name, value in of_alone.items()}
+        write_record(
+            RESULTS / f"{arguments.record}.json",
+            found,
+            [arguments.seed],
+            title=(
+                f"{len(galaxies)} galaxies at {arguments.density:g} per square arcminute, {rows} rows of SKA-Mid AA4"
+                f" in 8 h; {arguments.extraction} extraction, {arguments.threads} threads."
+            ),
+        )
     summary = summarise(galaxies, {arguments.extraction: shapes, "alone": alone})
     summary["density"] = arguments.density
     summary.pprint_all()
-    flags, counts = np.unique(np.array(shapes["flag"]), return_counts=True)
-    print(", ".join(f"{n} {flag}" for flag, n in zip(flags, counts, strict=True)))
     if arguments.table:
         known = [Table.read(arguments.table)] if arguments.table.exists() else []
         vstack([*known, summary]).write(arguments.table, overwrite=True)
@@ -77,12 +110,13 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--extraction", choices=["converged", "paper"], default="converged")
     parser.add_argument("--without-isolated", action="store_true")
     parser.add_argument("--table", type=Path, help="ECSV to add the figures to")
+    parser.add_argument("--record", help="name of a record to write to benchmarks/results")
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--threads", type=int, default=2)
     return parser.parse_args()
 
 
-def isolated(galaxies: Galaxies, noise: VisibilitySet, threads: int) -> Table:
+def isolated(galaxies: Galaxies, noise: VisibilitySet, executor: Executor) -> Table:
     """Shapes of the galaxies, each alone with the noise."""
     relation, profile = SizeFluxRelation(), Exponential()
     size = relation.prior(galaxies.flux)
@@ -98,7 +132,7 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, threads: int) -> Table:
         float(uv_max.max()),
     )
     nothing = replace(galaxies, flux=np.zeros(len(galaxies)))
-    gridding = Gridding(executor=in_threads(threads))
+    gridding = Gridding(executor=executor)
     response = Response.from_sky(galaxies)
     beams = gather_beams(noise, lm, (0.0, float(uv_max.max())), plan.pixel, response, gridding)
     half = np.full(len(galaxies), 20 * ARCSEC)
@@ -121,7 +155,7 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, threads: int) -> Table:
         )
         return measure_shape(facet, ShapePrior(size.log_median[k], size.sigma[k]), profile)
 
-    results = list(in_order(measure, range(len(galaxies)), threads))
+    results = list(executor.map(measure, range(len(galaxies))))
     return Table(
         {
             "e1": [r.ellipticity[0] for r in results],
@@ -130,6 +164,19 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, threads: int) -> Table:
             "e2_err": [math.sqrt(r.covariance[1, 1]) for r in results],
             "flag": [r.flag.word for r in results],
         }
+    )
+
+
+def slopes_of(galaxies: Galaxies, table: Table) -> dict[str, float]:
+    """Slopes of the galaxies without a flag, by every definition."""
+    good = np.array(table["flag"]) == "ok"
+    columns = (np.array(table[name], float) for name in ("e1", "e2", "e1_err", "e2_err"))
+    e1, e2, e1_err, e2_err = (column[good] for column in columns)
+    return {"measured": int(good.sum())} | slope_figures(
+        galaxies.ellipticity[good],
+        e1 + 1j * e2,
+        np.column_stack([e1_err, e2_err]),
+        galaxies.flux[good] / MICROJANSKY,
     )
 
 

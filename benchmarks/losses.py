@@ -17,7 +17,7 @@ from uvshear.execution import in_threads
 from uvshear.extraction import MeasurementOptions
 from uvshear.galaxy import CatalogueSize, Galaxies
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.attenuation import BandwidthSmearing, TimeSmearing, Together
+from uvshear.interferometer.attenuation import BandwidthSmearing, CombinedAttenuation, TimeSmearing
 from uvshear.interferometer.coverage import EARTH_ROTATION, antenna_uvw
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.primary_beam import AiryBeam
@@ -32,7 +32,7 @@ FREQUENCY = np.array([1.0e9, 1.15e9])
 LAYOUT = load_layout("ska-mid-aa2")
 HOURS = np.linspace(-1.0, 1.0, 12)
 FIRST, SECOND = np.triu_indices(len(LAYOUT), 1)
-DISHES = AiryBeam.of_diameters(LAYOUT.diameters)
+DISHES = AiryBeam.from_diameters(LAYOUT.diameters)
 
 
 def main() -> None:
@@ -55,7 +55,7 @@ def main() -> None:
         "nothing": (observation, one_index, ()),
     }
     for name, (seen, modelled, parts) in cases.items():
-        error, flux = errors(seen, modelled, sky, Together(parts))
+        error, flux = errors(seen, modelled, sky, CombinedAttenuation(parts))
         print(f"{name:20} e {error:.5f}  flux {flux:.5f}", flush=True)
 
 
@@ -81,7 +81,7 @@ def galaxies(degrees: float) -> Galaxies:
 
 
 def errors(
-    observation: VisibilitySet, modelled: Galaxies, true: Galaxies, attenuation: Together
+    observation: VisibilitySet, modelled: Galaxies, true: Galaxies, attenuation: CombinedAttenuation
 ) -> tuple[float, float]:
     """Largest error of e, and of the flux over itself."""
     # The whole product stands in for the dishes' beam: parts of it are to be left out one by one.

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from uvshear.constants import MICROJANSKY
+from uvshear.execution import Executor
 from uvshear.galaxy import (
     DiscEllipticityPrior,
     Exponential,
@@ -20,14 +21,14 @@ from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.population import Population, draw_population
-from uvshear.simulation.sky_region import Field, SquareField
+from uvshear.simulation.sky_region import SkyRegion, SquareField
 
 CHANNELS = Channels.from_band(0.95e9, 1.19e9, 1)
 FREQUENCY = CHANNELS.frequency
 PHASE_CENTRE = PhaseCentre(0.3, math.radians(-30))
 
 
-def draw(field: Field, number: int, rng: np.random.Generator) -> Galaxies:
+def draw(field: SkyRegion, number: int, rng: np.random.Generator) -> Galaxies:
     """Galaxies of the paper's fluxes, sizes and ellipticities."""
     population = Population(
         PowerLawFlux(minimum=10 * MICROJANSKY, maximum=200 * MICROJANSKY),
@@ -44,16 +45,16 @@ def coverage(integration: float) -> Coverage:
 
 
 def simulate(
-    arcmin: float, density: float, integration: float, seed: int, threads: int
+    arcmin: float, density: float, integration: float, seed: int, executor: Executor
 ) -> tuple[Galaxies, VisibilitySet, VisibilitySet]:
     """Square field of galaxies with noise, and the noise alone; ``density`` is per square arcminute."""
     rng = np.random.default_rng(seed)
     field = SquareField(math.radians(arcmin / 60))
     galaxies = draw(field, round(density * arcmin**2), rng)
     baselines = coverage(integration)
-    level = GalaxyNoise().scaled_to(baselines, CHANNELS, Exponential(), threads)
+    level = GalaxyNoise().scaled_to(baselines, CHANNELS, Exponential(), executor)
     sigma = level.stokes_i_sigma
-    vis = predict_visibilities(galaxies, baselines.uvw, FREQUENCY, Exponential(), threads)
+    vis = predict_visibilities(galaxies, baselines.uvw, FREQUENCY, Exponential(), executor)
     noise = sigma * (rng.normal(size=vis.shape) + 1j * rng.normal(size=vis.shape))
     weights = np.full(vis.shape, sigma**-2, np.float32)
 

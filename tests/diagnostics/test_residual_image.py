@@ -13,7 +13,7 @@ from uvshear.extraction import residual, residual_image
 from uvshear.extraction.converged.major_cycle import Gridding
 from uvshear.galaxy import Exponential
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.summary import measure_extent
+from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
@@ -45,7 +45,7 @@ def _observe(sky, noise=0.0, rows=3000, more=NOTHING, depth=0.5):
 
 
 def _image(observation, sky, **more):
-    extent = measure_extent(observation)
+    extent = summarise(observation)
     return residual_image.residual_image(observation, sky, Exponential(), extent=extent, **more)
 
 
@@ -66,7 +66,7 @@ def test_of_a_sky_that_is_known_thermal_noise_is_left():
 
 
 def test_a_source_that_the_sky_lacks_stands_at_its_place_with_its_flux():
-    longest = measure_extent(_observe(NOTHING)).longest
+    longest = summarise(_observe(NOTHING)).longest
     grid, _ = plan_image(SKY, UvRange(), longest)
     i, j = grid.size // 2 + 400, grid.size // 2 - 230
     l, m = (place * grid.pixel - grid.size // 2 * grid.pixel for place in (i, j))

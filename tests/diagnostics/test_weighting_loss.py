@@ -13,7 +13,6 @@ from uvshear.galaxy import Exponential
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.geometry.ellipticity import quadratic_form
 from uvshear.imaging import ImageGrid
-from uvshear.interferometer.baseline_map import BaselineMap
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.psf_shape import fit_main_lobe, measure_psf
@@ -54,7 +53,7 @@ def test_the_loss_is_that_of_least_squares_with_the_wrong_weights() -> None:
     """Scatter of what weighted least squares makes of noise, against the best weights."""
     observation = _observation()
     tapered = weighted(observation, (GaussianTaper(3 * ARCSEC), RoundPsf()))
-    loss = weighting_loss(BaselineMap.of(tapered.with_factors()), ALPHA, Exponential())
+    loss = weighting_loss(tapered.map_baselines(), ALPHA, Exponential())
     derivatives, weight = _derivatives(observation)
     (seen,) = tapered.chunks()
     rng = np.random.default_rng(2)
@@ -74,7 +73,7 @@ def test_the_loss_is_that_of_least_squares_with_the_wrong_weights() -> None:
 def test_signal_to_noise_is_that_of_matched_filters() -> None:
     observation = _observation()
     tapered = weighted(observation, (GaussianTaper(6 * ARCSEC),))
-    loss = weighting_loss(BaselineMap.of(tapered.with_factors()), ALPHA, Exponential())
+    loss = weighting_loss(tapered.map_baselines(), ALPHA, Exponential())
     (natural,), (seen,) = observation.chunks(), tapered.chunks()
     w, q = natural.weights[:, 0], seen.weights[:, 0]
     u, v = natural.uvw[:, :2].T * FREQUENCY / SPEED_OF_LIGHT
@@ -94,11 +93,11 @@ def test_baselines_of_one_length_tell_no_shape() -> None:
     same = seen.uvw * (5e3 / length)[:, None]
     ring = VisibilitySet(PhaseCentre(0.0, 0.0), (replace(seen, uvw=same),))
     with pytest.raises(InputError, match="do not tell the shape of a galaxy of scale length 1"):
-        weighting_loss(BaselineMap.of(weighted(ring, ()).with_factors()), ALPHA, Exponential())
+        weighting_loss(weighted(ring, ()).map_baselines(), ALPHA, Exponential())
 
 
 def test_natural_weights_lose_nothing() -> None:
-    cells = BaselineMap.of(weighted(_observation(), ()).with_factors())
+    cells = weighted(_observation(), ()).map_baselines()
     loss = weighting_loss(cells, ALPHA, Exponential())
     assert loss.snr_point == pytest.approx(1, abs=1e-12)
     assert loss.snr_galaxy == pytest.approx(1, abs=1e-12)
@@ -123,7 +122,7 @@ def test_a_round_psf_is_round_40_deg_from_zenith_under_any_weight() -> None:
             assert max(map(abs, found)) < 0.005
         else:
             assert min(map(abs, found)) > 0.05
-    cells = BaselineMap.of(rounded.with_factors())
+    cells = rounded.map_baselines()
     loss = weighting_loss(cells, ARCSEC, Exponential())
     assert min(loss.information) > 0.85
     assert loss.snr_galaxy > 0.97

@@ -8,7 +8,7 @@ from tests.skies import L_BAND, galaxies, vla
 from uvshear.constants import ARCSEC
 from uvshear.extraction.paper.facets import Target
 from uvshear.galaxy import Exponential, Galaxies
-from uvshear.interferometer.summary import measure_extent
+from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
@@ -58,7 +58,7 @@ def scene(e=0.3 - 0.2j, l=0.008, m=-0.005, flux=1e-4, uv_min=0.0, frequency=L_BA
     weights = np.random.default_rng(3).uniform(0.5, 2.0, vis.shape) * 1e12
     weights[::50] = 0
     seen = Visibilities(uvw, frequency, vis, weights)
-    longest = measure_extent(VisibilitySet(centre, (seen,))).longest
+    longest = summarise(VisibilitySet(centre, (seen,))).longest
     target = Target(replace(galaxy, flux=np.ones(1)), ALPHA, UvRange(uv_min, longest * 1.01), 1.4e9)
     return Scene(galaxy, seen, target)
 

@@ -2,15 +2,15 @@
 
 import numpy as np
 import pytest
+from uvshear.bias.estimators import MeanEstimator, MetacalEstimator, Seen
+from uvshear.extraction.keep import LikelihoodStatistic, MomentStatistic
+from uvshear.extraction.metacal import MetacalStatistic
 
 from tests.skies import galaxies, vla
-from uvshear.bias.estimators import MeanEstimator, MetacalEstimator, Seen
 from uvshear.bias.isolated import Stage
 from uvshear.constants import ARCSEC
 from uvshear.extraction import MeasurementOptions
 from uvshear.extraction.converged.minor_cycle import Settlement
-from uvshear.extraction.keep import LikelihoodStatistic, MomentStatistic
-from uvshear.extraction.metacal import MetacalStatistic
 from uvshear.galaxy import CatalogueSize, Exponential
 from uvshear.imaging.cutout import cutout
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet

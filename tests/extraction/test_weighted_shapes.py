@@ -22,10 +22,9 @@ from uvshear.galaxy import (
     SizeFluxRelation,
 )
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.baseline_map import BaselineMap
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
-from uvshear.interferometer.summary import measure_extent
+from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.interferometer.weighting import Briggs, GaussianTaper, RoundPsf, weighted
 from uvshear.io.catalogue import catalogue_from_galaxies
@@ -112,7 +111,7 @@ def test_points_have_no_part_in_the_typical_size(field):
     for sky in (few, join(few, points)):
         options = replace(OPTIONS, size=CatalogueSize(), weightings=(Briggs(0.0, 0.003),))
         catalogue = catalogue_from_galaxies(sky, CENTRE)
-        prepared = _prepare(catalogue, CENTRE, measure_extent(observation), options)
+        prepared = _prepare(catalogue, CENTRE, summarise(observation), options)
         assert not np.any(prepared.flags == FitFlag.DUPLICATE)
         scales.append(weigh(observation, prepared, options)[0].scale)
     assert scales[1] == pytest.approx(scales[0], rel=1e-12)
@@ -124,9 +123,9 @@ def test_each_galaxy_is_trusted_by_its_size(field):
     taper = (GaussianTaper(4 * ARCSEC),)
     options = replace(OPTIONS, size=CatalogueSize(), weightings=taper)
     catalogue = catalogue_from_galaxies(galaxies, CENTRE)
-    prepared = _prepare(catalogue, CENTRE, measure_extent(observation), options)
+    prepared = _prepare(catalogue, CENTRE, summarise(observation), options)
     seen, trust = weigh(observation, prepared, options)
-    cells = BaselineMap.of(weighted(observation, taper).with_factors())
+    cells = weighted(observation, taper).map_baselines()
     losses = [weighting_loss(cells, float(size), OPTIONS.profile) for size in galaxies.scale_length]
     wanted = np.array([1 / loss.variance_over_beam for loss in losses])
     assert np.ptp(wanted) > 0.3 * wanted.mean()
@@ -137,7 +136,7 @@ def test_trust_widens_the_errors_of_e(field):
     galaxies, observation = field
     few = galaxies.select(np.arange(12))
     sources = catalogue_from_galaxies(few, CENTRE)
-    prepared = _prepare(sources, CENTRE, measure_extent(observation), OPTIONS)
+    prepared = _prepare(sources, CENTRE, summarise(observation), OPTIONS)
     whole, less = (
         OPTIONS.extraction.measure(
             observation, replace(prepared, trust=np.full(12, trust)), OPTIONS, None

@@ -34,7 +34,7 @@ def _one_by_one(block, shortest, longest):
 
 def test_samples_are_the_visibilities_with_weight_within_the_range_of_uv_distance():
     block = _block()
-    samples = Samples.of(block, 2e3, 9e3)
+    samples = Samples.from_visibilities(block, 2e3, 9e3)
     u, v, w, vis, weights, frequency = map(
         np.array, zip(*_one_by_one(block, 2e3, 9e3), strict=True)
     )
@@ -52,14 +52,14 @@ def test_neighbouring_ranges_share_no_sample_and_lose_none(edges):
     block = _block()
     # an edge exactly on a sample belongs to the range above it
     edges = [0.0, *sorted([*edges, float(block.uv_distance[3, 1])]), np.inf]
-    counts = [len(Samples.of(block, *pair)) for pair in pairwise(edges)]
+    counts = [len(Samples.from_visibilities(block, *pair)) for pair in pairwise(edges)]
     assert sum(counts) == np.count_nonzero(block.weights)
 
 
 @settings(deadline=None, max_examples=30)
 @given(st.lists(st.integers(0, 60), max_size=4))
 def test_parts_joined_are_the_whole(cuts):
-    whole = Samples.of(_block(), 0.0, np.inf)
+    whole = Samples.from_visibilities(_block(), 0.0, np.inf)
     edges = [0, *sorted(min(cut, len(whole)) for cut in cuts), len(whole)]
     parts = [whole.select(slice(*pair)) for pair in pairwise(edges)]
     joined = Samples.join(parts)
@@ -68,7 +68,7 @@ def test_parts_joined_are_the_whole(cuts):
 
 
 def test_samples_are_selected_by_index_and_by_mask():
-    whole = Samples.of(_block(), 0.0, np.inf)
+    whole = Samples.from_visibilities(_block(), 0.0, np.inf)
     mask = np.arange(len(whole)) % 3 == 0
     for chosen in (mask, np.flatnonzero(mask)):
         some = whole.select(chosen)

@@ -3,7 +3,7 @@ import pytest
 
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.summary import measure_extent
+from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 
 FREQUENCY = np.array([299_792_458.0, 2 * 299_792_458.0])  # wavelengths of 1 m and 0.5 m
@@ -21,7 +21,7 @@ def _observation(weights):
 
 def test_what_carries_weight_is_counted_over_all_chunks():
     weights = np.array([[1.0, 2.0], [4.0, 0.0], [0.0, 0.0]])
-    extent = measure_extent(_observation(weights))
+    extent = summarise(_observation(weights))
     assert (extent.rows, extent.samples) == (3, 3)
     assert extent.weight == 7
     # the second row at 1 m and the first at 0.5 m; the third is flagged, w does not count
@@ -30,9 +30,9 @@ def test_what_carries_weight_is_counted_over_all_chunks():
 
 def test_an_observation_that_is_all_flagged_is_an_error():
     with pytest.raises(InputError, match="all are flagged, or their weights are zero"):
-        measure_extent(_observation(np.zeros((3, 2))))
+        summarise(_observation(np.zeros((3, 2))))
 
 
 def test_an_observation_without_rows_is_an_error():
     with pytest.raises(InputError, match="no visibility carries weight"):
-        measure_extent(VisibilitySet(PhaseCentre(0.0, 0.0), ()))
+        summarise(VisibilitySet(PhaseCentre(0.0, 0.0), ()))

@@ -4,7 +4,6 @@ import numpy as np
 from casacore import tables
 
 from tests.io.measurement_sets import change, written
-from uvshear.io.data_warnings import remarks_on
 from uvshear.io.inspection import inspect
 
 

@@ -11,7 +11,7 @@ from uvshear.diagnostics.residual_image import residual_image
 from uvshear.errors import InputError
 from uvshear.galaxy import Exponential
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.summary import measure_extent
+from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.images import write_residual_image
 from uvshear.predict import predict_visibilities
@@ -38,7 +38,7 @@ def images():
     centre = PhaseCentre(CENTRE.ra.rad, CENTRE.dec.rad)
     block = Visibilities(uvw, FREQUENCY, vis, np.full(vis.shape, 4.0))
     observation = VisibilitySet(centre, (block,))
-    extent = measure_extent(observation)
+    extent = summarise(observation)
     return centre, residual_image(observation, known, Exponential(), extent=extent)
 
 

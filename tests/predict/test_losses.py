@@ -7,7 +7,7 @@ from tests.skies import galaxies
 from uvshear.constants import ARCSEC
 from uvshear.execution import in_threads
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.attenuation import BandwidthSmearing, TimeSmearing, Together
+from uvshear.interferometer.attenuation import BandwidthSmearing, CombinedAttenuation, TimeSmearing
 from uvshear.interferometer.coverage import EARTH_ROTATION, antenna_uvw
 from uvshear.interferometer.primary_beam import AiryBeam
 from uvshear.interferometer.visibilities import Integrations
@@ -65,7 +65,7 @@ def _averaged(finer=15):
 
 def test_a_smeared_galaxy_is_the_average_over_channel_and_integration():
     uvw = _uvw(HOURS)
-    both = Together((BandwidthSmearing(), TimeSmearing(CENTRE.dec)))
+    both = CombinedAttenuation((BandwidthSmearing(), TimeSmearing(CENTRE.dec)))
     exact = _averaged()
     bare = predict_visibilities(SKY, uvw, FREQUENCY)
     smeared = predict_visibilities(SKY, uvw, FREQUENCY, losses=_losses(both))
@@ -78,7 +78,7 @@ def test_a_smeared_galaxy_is_the_average_over_channel_and_integration():
 @pytest.mark.parametrize("threads", [1, 2])
 def test_each_galaxy_has_its_own_losses(threads):
     uvw = _uvw(HOURS)
-    beam = _losses(AiryBeam.of_diameters(np.full(2 * PAIRS, 15.0)))
+    beam = _losses(AiryBeam.from_diameters(np.full(2 * PAIRS, 15.0)))
     together = predict_visibilities(SKY, uvw, FREQUENCY, executor=in_threads(threads), losses=beam)
     parts = []
     for k in range(2):
@@ -86,7 +86,7 @@ def test_each_galaxy_has_its_own_losses(threads):
         l, m = float(source.l[0]), float(source.m[0])
         for chan in range(2):
             samples = beam.samples(uvw, FREQUENCY, slice(None), chan)
-            factor = beam.attenuation.of(samples, l, m)
+            factor = beam.attenuation.factor(samples, l, m)
             bare = predict_visibilities(source, uvw, FREQUENCY[chan : chan + 1])[:, 0]
             parts.append(bare * factor)
     np.testing.assert_allclose(together[:, 0], parts[0] + parts[2], rtol=1e-12)
@@ -96,7 +96,7 @@ def test_each_galaxy_has_its_own_losses(threads):
 def test_losses_need_no_widths_to_be_none_at_the_centre():
     uvw = _uvw(HOURS)
     middle = galaxies(0.0, 0.0, 1e-5, ARCSEC, 0.2j)
-    both = Together((BandwidthSmearing(), TimeSmearing(CENTRE.dec)))
+    both = CombinedAttenuation((BandwidthSmearing(), TimeSmearing(CENTRE.dec)))
     np.testing.assert_array_equal(
         predict_visibilities(middle, uvw, FREQUENCY, losses=_losses(both)),
         predict_visibilities(middle, uvw, FREQUENCY),

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tests.skies import galaxies, random_baselines
 from uvshear.constants import SPEED_OF_LIGHT
-from uvshear.interferometer.attenuation import BandwidthSmearing, TimeSmearing, Together
+from uvshear.interferometer.attenuation import BandwidthSmearing, CombinedAttenuation, TimeSmearing
 from uvshear.interferometer.primary_beam import AiryBeam
 from uvshear.interferometer.samples import Samples
 from uvshear.predict.response import TOLERANCE, Response, SharedFactors
@@ -80,8 +80,8 @@ def test_no_sources_are_none():
     assert len(Response.from_sky(nobody).strengths(nobody)) == 0
 
 
-EVERYTHING = Together(
-    (BandwidthSmearing(), TimeSmearing(DECLINATION), AiryBeam.of_diameters(np.array([13.5])))
+EVERYTHING = CombinedAttenuation(
+    (BandwidthSmearing(), TimeSmearing(DECLINATION), AiryBeam.from_diameters(np.array([13.5])))
 )
 
 
@@ -114,7 +114,7 @@ def test_a_band_without_probes_asks_all_of_them():
 def test_strengths_are_what_is_left_of_a_flux():
     sky = _sky([-0.7, -0.7, 0.2], l=0.008)
     probes = _samples(3000)
-    response = Response.from_sky(sky, probes, AiryBeam.of_diameters(np.array([13.5])))
+    response = Response.from_sky(sky, probes, AiryBeam.from_diameters(np.array([13.5])))
     weight = probes.weights * response.gain(probes.frequency) ** 2
     for source, strength in enumerate(response.strengths(sky)):
         factor = _factor(response, probes, sky, source) / response.gain(probes.frequency)

@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from uvshear.bias.isolated import Noise, Stage
+from uvshear.bias.mock_facets import FacetNoise, FacetSimulator
 from uvshear.constants import REFERENCE_FREQUENCY, SPEED_OF_LIGHT
 from uvshear.extraction.paper.cell_average import ScaleLengths
 from uvshear.extraction.paper.facets import INFORMATIVE
@@ -30,7 +30,7 @@ SMALLEST = 8
 
 
 @dataclass(frozen=True)
-class Samples:
+class PointingSamples:
     """Baselines of one pointing [wavelengths] with their weights [Jy^-2]."""
 
     uv: Float[Array, "sample 2"]
@@ -47,10 +47,10 @@ class Samples:
 
 
 @dataclass(frozen=True)
-class CellAverageStage(Stage):
+class CellAverageSimulator(FacetSimulator):
     """Cells of a cell-average facet; those that hold samples are ``chosen``."""
 
-    samples: Samples
+    samples: PointingSamples
     cell: float
     chosen: tuple[Int[Array, " cell"], Int[Array, " cell"]]
 
@@ -64,8 +64,8 @@ class CellAverageStage(Stage):
     def _half(self) -> int:
         return self.cutout.size // 2
 
-    def facet(self, galaxy: GalaxyFit, profile: Profile, noise: Noise) -> Facet:
-        """Facet of the visibilities of this galaxy and such noise."""
+    def facet(self, galaxy: GalaxyFit, profile: Profile, noise: FacetNoise) -> Facet:
+        """Return the facet of visibilities of a galaxy with such noise."""
         visibilities = Template(self.samples.uv, profile).model(galaxy)
         sums, _ = self.samples.sums(visibilities, self.cell, self._half)
         return Facet(self.uv, sums[self.chosen] + np.sqrt(self.power) * noise, self.power)
@@ -87,14 +87,14 @@ class CellAverageBeam:
         How wide a facet is.
     """
 
-    samples: Samples
+    samples: PointingSamples
     longest: float
     frequency: float
     rule: ScaleLengths = field(default_factory=ScaleLengths)
-    _stages: dict[int, CellAverageStage] = field(default_factory=dict)
+    _simulators: dict[int, CellAverageSimulator] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, observation: Observation) -> Self:
+    def gather(cls, observation: Observation) -> Self:
         """Gather the samples; fluxes are those of the catalogue in every channel."""
         uv, weight, highest = [], [], 0.0
         for chunk in observation.chunks():
@@ -102,24 +102,24 @@ class CellAverageBeam:
                 uv.append(chunk.uvw[:, :2] * (frequency / SPEED_OF_LIGHT))
                 weight.append(chunk.weights[:, channel])
                 highest = max(highest, frequency)
-        samples = Samples(np.concatenate(uv), np.concatenate(weight))
+        samples = PointingSamples(np.concatenate(uv), np.concatenate(weight))
         return cls(samples, float(np.hypot(*samples.uv.T).max()), highest)
 
-    def stage(self, log_median: float, sigma: float) -> CellAverageStage:
-        """Facet for a galaxy whose ln(scale length / rad) has this mean, whatever its standard deviation."""
+    def simulator(self, log_median: float, sigma: float) -> CellAverageSimulator:
+        """Return the simulator for galaxies whose ln(scale length / rad) has this mean; its deviation has no part."""
         del sigma
         rung = math.ceil(log_median / math.log(LADDER))
-        if rung not in self._stages:
-            self._stages[rung] = self._of_size(LADDER**rung)
-        return self._stages[rung]
+        if rung not in self._simulators:
+            self._simulators[rung] = self._of_size(LADDER**rung)
+        return self._simulators[rung]
 
-    def _of_size(self, scale_length: float) -> CellAverageStage:
+    def _of_size(self, scale_length: float) -> CellAverageSimulator:
         reference = self.longest * REFERENCE_FREQUENCY / self.frequency
         half = max(math.ceil(reference * self.rule.number * scale_length), SMALLEST)
         cell = self.longest * (1 + 1e-9) / half
         near = np.hypot(*self.samples.uv.T) <= INFORMATIVE / scale_length
-        samples = Samples(self.samples.uv[near], self.samples.weight[near])
+        samples = PointingSamples(self.samples.uv[near], self.samples.weight[near])
         _, power = samples.sums(np.zeros(len(samples.uv), np.complex64), cell, half)
         i, j = np.nonzero(power)
         cells = Cutout(2 * half, 1 / (2 * half * cell), 0.0, self.longest)
-        return CellAverageStage(cells, power[i, j], samples, cell, (i, j))
+        return CellAverageSimulator(cells, power[i, j], samples, cell, (i, j))

@@ -1,116 +1,148 @@
-"""Simulated surveys to be calibrated: galaxies alone in the beam, and fields observed whole."""
+"""The survey whose galaxies are simulated: what is observed, and which galaxies are counted."""
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 
-from uvshear.bias.bias import Bias
 from uvshear.bias.cell_average import CellAverageBeam
-from uvshear.bias.crowded import FieldEstimator, FieldExperiment, calibrate_field
-from uvshear.bias.experiment import Experiment
-from uvshear.bias.isolated import Beam
+from uvshear.bias.crowded import FieldExperiment
+from uvshear.bias.isolated import FITTED, Experiment
+from uvshear.bias.mock_facets import MockBeam
 from uvshear.constants import ARCMIN
-from uvshear.diagnostics.natural_norms import natural_norms
+from uvshear.diagnostics.natural_snr import natural_norms
+from uvshear.errors import InputError
 from uvshear.execution import SERIAL, Executor
-from uvshear.extraction import Extracted, MeasurementOptions
 from uvshear.galaxy import Exponential, Galaxies, Profile, SizeFluxRelation
-from uvshear.interferometer.coverage import synthesise
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.accumulate import accumulate
+from uvshear.interferometer.baseline_map import BaselineMapAccumulator
+from uvshear.interferometer.coverage import Track, synthesise
+from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.plan import ObservingPlan
+from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.visibilities import VisibilitySet
-from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.pipeline import extract
-from uvshear.progress import Progress
+from uvshear.pipeline.simulate import Lens
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.observation import SimulatedObservation
 from uvshear.simulation.population import Population, draw_population
 from uvshear.simulation.sky_region import SquareField
 
-FITTED = Exponential()
-"""Profile that noise and cuts go by, whatever the true one."""
-
 
 @dataclass(frozen=True)
 class Survey:
-    """What is observed, behind which shears, and what is counted.
+    """What is observed, and which galaxies are counted.
 
     Parameters
     ----------
     plan
-        Of the observation.
-    shears
-        Reduced shears that add up to zero.
+        The observation.
     population
-        Fluxes, sizes and ellipticities.
+        Distributions of fluxes, sizes and ellipticities.
     noise
-        Its level.
+        Level of the noise.
     profile
         True brightness profile.
     lens
         What a shear does to galaxies.
     snr_min
-        Galaxies whose catalogue flux makes for less, at the median size, are left out: no shear changes that.
+        Signal-to-noise ratio, by the catalogue's flux and the median size, below which galaxies are left out: no shear
+        changes that cut.
+    measured_snr_min
+        Signal-to-noise ratio of the fit below which a measurement is left out; of galaxies alone in the beam.
     flux_min, flux_max
-        Catalogue fluxes below and above which galaxies are left out [Jy].
-    seed
-        Of galaxies and noise.
-    executor
-        Of gridding and prediction.
+        Catalogue's fluxes below and above which galaxies are left out [Jy].
+    position_sigma
+        Standard error of the catalogue's positions in l and in m [rad]; of galaxies alone in the beam.
+    has_rings
+        Whether galaxies are seen with e and -e; those of a crowded field always are.
+    averages_cells
+        Whether facets are the paper's, which average in cells; of galaxies alone in the beam.
     """
 
     plan: ObservingPlan
-    shears: tuple[complex, ...]
     population: Population = field(default_factory=Population)
     noise: GalaxyNoise = field(default_factory=GalaxyNoise)
     profile: Profile = field(default_factory=Exponential)
-    lens: Callable[[Galaxies, complex], Galaxies] = shear_galaxies
+    lens: Lens = shear_galaxies
     snr_min: float = 0.0
+    measured_snr_min: float = 0.0
     flux_min: float = 0.0
     flux_max: float = math.inf
-    seed: int = 1
-    executor: Executor = SERIAL
+    position_sigma: float = 0.0
+    has_rings: bool = True
+    averages_cells: bool = False
 
-    def alone(self, *, averages_cells: bool = False) -> Experiment:
+    @classmethod
+    def of_the_paper(cls) -> Self:
+        """Return 8 h of SKA-Mid AA4 at declination -30 deg in samples of 300 s and one channel of 950 to 1190 MHz."""
+        centre = PhaseCentre(0.0, math.radians(-30.0))
+        track = Track.from_clock(centre, ((-4 * 3600, 4 * 3600),), 300.0)
+        channels = Channels.from_band(950e6, 1190e6, 1)
+        return cls(ObservingPlan(load_layout("ska-mid-aa4"), track, channels), snr_min=10.0)
+
+    def isolated(
+        self, shears: tuple[complex, ...], seed: int = 1, executor: Executor = SERIAL
+    ) -> Experiment:
         """Galaxies alone in the beam, on exact facets or on the paper's."""
-        empty = self._observed(self._nobody(), noise_seed=None)
+        empty = self._observed(self._nobody(), None, executor)
+        beam = (
+            CellAverageBeam.gather(empty)
+            if self.averages_cells
+            else MockBeam.gather(empty, self._nobody(), self._smallest(), executor)
+        )
         return Experiment(
-            beam=CellAverageBeam.of(empty) if averages_cells else self._beam(empty),
-            shears=self.shears,
+            beam=beam,
+            shears=shears,
             population=self.population,
             profile=self.profile,
             lens=self.lens,
             snr_min=self.snr_min,
+            measured_snr_min=self.measured_snr_min,
             flux_min=self.flux_min,
             flux_max=self.flux_max,
-            seed=self.seed,
+            position_sigma=self.position_sigma,
+            has_rings=self.has_rings,
+            seed=seed,
         )
 
-    def crowd(self, number: int, density: float) -> FieldExperiment:
+    def crowd(
+        self,
+        shears: tuple[complex, ...],
+        number: int,
+        density: float,
+        seed: int = 1,
+        executor: Executor = SERIAL,
+    ) -> FieldExperiment:
         """So many galaxies together in the beam, at a density [arcmin^-2]."""
+        usual = replace(
+            self, measured_snr_min=0.0, position_sigma=0.0, has_rings=True, averages_cells=False
+        )
+        if usual != self:
+            raise InputError(
+                "cuts by the measured signal-to-noise ratio, errors of positions, missing rings and the paper's facets"
+                " are for galaxies alone in the beam; leave them out, or the density"
+            )
         side = math.sqrt(number / density) * ARCMIN
         galaxies = draw_population(
-            self.population,
-            SquareField(side),
-            number=number,
-            rng=np.random.default_rng(self.seed),
+            self.population, SquareField(side), number=number, rng=np.random.default_rng(seed)
         )
-        empty = self._observed(self._nobody(), noise_seed=self.seed)
+        empty = self._observed(self._nobody(), seed, executor)
         seen = VisibilitySet(self.plan.track.phase_centre, tuple(empty.chunks()))
         median = np.exp(SizeFluxRelation().prior(galaxies.flux).log_median)
         circles = replace(galaxies, scale_length=median, ellipticity=np.zeros(number, complex))
-        snr = galaxies.flux * np.sqrt(natural_norms(seen, circles, FITTED, self.executor))
+        (cells,) = accumulate(seen, [BaselineMapAccumulator()])
+        snr = galaxies.flux * np.sqrt(natural_norms(cells, circles, FITTED, executor))
         used = (snr >= self.snr_min) & (galaxies.flux >= self.flux_min)
         used &= galaxies.flux <= self.flux_max
-        return FieldExperiment(
-            galaxies, seen, self.shears, used, self.lens, self.profile, self.executor
-        )
+        return FieldExperiment(galaxies, seen, shears, used, self.lens, self.profile, executor)
 
-    def _beam(self, empty: SimulatedObservation) -> Beam:
+    def _smallest(self) -> float:
+        """Scale length two sigma below the median of the faintest galaxies [rad]."""
         faintest = self.population.size.prior(np.array([self.population.flux.minimum]))
-        smallest = float(np.exp(faintest.log_median[0] - 2 * faintest.sigma[0]))
-        return Beam.of(empty, self._nobody(), smallest, self.executor)
+        return float(np.exp(faintest.log_median[0] - 2 * faintest.sigma[0]))
 
     def _nobody(self) -> Galaxies:
         """Return a galaxy without flux, of the population's spectral index."""
@@ -124,27 +156,12 @@ class Survey:
             spectral_index=np.array([self.population.spectral_index]),
         )
 
-    def _observed(self, galaxies: Galaxies, *, noise_seed: int | None) -> SimulatedObservation:
+    def _observed(
+        self, galaxies: Galaxies, noise_seed: int | None, executor: Executor
+    ) -> SimulatedObservation:
         plan = self.plan
         coverage = synthesise(plan.layout, plan.track)
-        level = self.noise.scaled_to(coverage, plan.channels, FITTED, self.executor)
+        level = self.noise.scaled_to(coverage, plan.channels, FITTED, executor)
         return SimulatedObservation(
-            coverage, plan.channels, galaxies, FITTED, level, noise_seed, self.executor
+            coverage, plan.channels, galaxies, FITTED, level, noise_seed, executor
         )
-
-
-def calibrate_crowded(
-    experiment: FieldExperiment,
-    estimators: Sequence[FieldEstimator],
-    options: MeasurementOptions,
-    step: Progress | None = None,
-) -> list[list[Bias]]:
-    """Bias of each estimator in a crowded field, through the whole measurement, made once for all of them."""
-    statistics = tuple(statistic for one in estimators for statistic in one.statistics)
-    keeping = replace(options, keep=statistics)
-
-    def measured(observation: VisibilitySet, galaxies: Galaxies) -> Extracted:
-        catalogue = catalogue_from_galaxies(galaxies, observation.phase_centre)
-        return extract(observation, catalogue, keeping)[1]
-
-    return calibrate_field(experiment, estimators, measured, step)

@@ -1,69 +1,54 @@
-"""Primary beams by name, for the commands that take one."""
+"""The option of a primary beam, for the commands that take one."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
-from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from uvshear.cli.panels import MODEL
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
+    from collections.abc import Callable
 
-    from uvshear.interferometer.primary_beam import PrimaryBeam
-    from uvshear.io.observations import Reading
+    from uvshear.interferometer.attenuation import Attenuation
+    from uvshear.interferometer.visibilities import Observation
     from uvshear.typing import Array, Float
 
-
-class BeamName(StrEnum):
-    """A primary beam."""
-
-    NONE = "none"
-    AIRY = "airy"
-    COSINE_CUBED = "cosine-cubed"
-    MEERKAT = "meerkat"
-
+NONE: Final = "none"
 
 PrimaryBeamOption = Annotated[
-    BeamName,
+    str,
     typer.Option(
         "--primary-beam",
-        help="Of the dishes, by their diameters: uniformly lit, or cos^3 of its width; or MeerKAT's.",
+        metavar="NAME",
+        rich_help_panel=MODEL,
+        help="Primary beam of the dishes: none, airy (uniformly lit dishes of their diameters), cosine-cubed"
+        " (a power beam cos^3 of the same width), meerkat, or one of your own.",
     ),
 ]
 
 
-def pointed_beam(
-    name: BeamName, paths: "Sequence[Path]", reading: "Reading"
-) -> "PrimaryBeam | None":
-    """Return the beam of the dishes of Measurement Sets, where these pointed."""
-    from dataclasses import replace
+def beam_of_observation(name: str, observation: "Observation") -> "Attenuation | None":
+    """Return the beam of the dishes that observed, where these pointed; None for the name ``none``."""
+    from uvshear.interferometer.dishes import dish_diameters, pointing_of
 
-    from uvshear.io.observations import dish_diameters, pointing_of
-
-    beam = beam_of(name, lambda: dish_diameters(paths), str(paths[0]))
-    return None if beam is None else replace(beam, pointing=pointing_of(paths, reading))
-
-
-def beam_of(
-    name: BeamName, diameters: "Callable[[], Float[Array, ' antenna']]", source: str
-) -> "PrimaryBeam | None":
-    """Return the beam of dishes of these diameters [m], which ``source`` gives where they are needed."""
-    import numpy as np
-
-    from uvshear.interferometer.primary_beam import AiryBeam, CosineCubedBeam, CosineTaperBeam
-
-    if name is BeamName.NONE:
+    if name == NONE:
         return None
-    if name is BeamName.MEERKAT:
-        return CosineTaperBeam.of_meerkat()
-    known = diameters()
-    if not np.all(known > 0):
-        raise InputError(
-            f"--primary-beam {name.value}: {source} gives no diameter of a dish;"
-            " --primary-beam meerkat or none needs none"
-        )
-    airy = AiryBeam.of_diameters(known)
-    return airy if name is BeamName.AIRY else CosineCubedBeam(airy.width)
+    return beam_of_dishes(name, lambda: dish_diameters(observation), pointing_of(observation))
+
+
+def beam_of_dishes(
+    name: str,
+    diameters: "Callable[[], Float[Array, ' antenna']]",
+    pointing: tuple[float, float] = (0.0, 0.0),
+) -> "Attenuation | None":
+    """Return the beam of dishes of these diameters [m]; None for the name ``none``."""
+    from uvshear.interferometer.beam_registry import primary_beam_named
+
+    if name == NONE:
+        return None
+    try:
+        return primary_beam_named(name, diameters, pointing)
+    except InputError as error:
+        raise InputError(f"--primary-beam {name}: {error}") from error

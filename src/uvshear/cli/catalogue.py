@@ -35,41 +35,52 @@ def catalogue(
     context: typer.Context,
     field_arcmin: Annotated[
         float,
-        typer.Option(callback=positive, help="Side of the square, or diameter of the disc."),
+        typer.Option(
+            callback=positive,
+            help="Side of the square field, or diameter of the disc.",
+            show_default=False,
+        ),
     ],
     output: Output,
     density: Annotated[
         float | None, typer.Option(callback=positive, help="Galaxies per square arcminute.")
     ] = None,
     count: Annotated[
-        int | None, typer.Option(callback=positive, help="Galaxies in all, instead of a density.")
+        int | None,
+        typer.Option(callback=positive, help="Number of galaxies, instead of a density."),
     ] = None,
     flux_ujy: Annotated[
         Pair,
-        typer.Option(callback=positive_range, metavar="LO HI", help="Limits of the flux [uJy]."),
+        typer.Option(
+            callback=positive_range, metavar="LO HI", help="Least and largest flux density [uJy]."
+        ),
     ] = (10.0, 200.0),
     ring: Annotated[
         int,
         typer.Option(
             callback=positive,
-            help="Galaxies that share flux, size and |e|, equally spaced in angle.",
+            help="Number of galaxies that share flux, size and |e|, equally spaced in angle.",
         ),
     ] = 1,
     seed: Seed = 1,
-    disc: Annotated[bool, typer.Option("--disc", help="A disc instead of a square.")] = False,
+    disc: Annotated[bool, typer.Option("--disc", help="Fill a disc instead of a square.")] = False,
     declination_deg: Annotated[
         float | None,
-        typer.Option(callback=declination, help="Centre of the field: then (ra, dec) are written."),
+        typer.Option(
+            callback=declination,
+            help="Declination of the field's centre; with it (ra, dec) are written.",
+        ),
     ] = None,
     ra_deg: Annotated[
-        float | None, typer.Option(callback=finite, help="Centre of the field [0].")
+        float | None,
+        typer.Option(callback=finite, help="Right ascension of the field's centre [0]."),
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Draw galaxies as a survey would find them (Rivi & Miller 2018, section 3).
 
-    Without a centre their positions are (l, m), for any pointing. A known e1, e2 is never used to
-    measure.
+    Without a centre, positions are written as (l, m), which suit any pointing. The true ellipticities in the columns
+    e1 and e2 are for simulations; a measurement never uses them.
     """
     import numpy as np
 
@@ -115,7 +126,7 @@ def catalogue(
     write_catalogue(
         output,
         catalogue_from_galaxies(galaxies, centre),
-        provenance(context),
+        provenance(context).metadata(),
         overwrite=overwrite,
     )
     say(f"{output}: {number} galaxies")

@@ -1,88 +1,85 @@
-"""How ``uvshear measure`` tells sources apart, and what it keeps of them, by names."""
+"""The extraction that the options of ``uvshear measure`` describe."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from uvshear.cli.names import FacetName
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
     from uvshear.extraction import Extraction
-    from uvshear.extraction.keep import Statistic
-    from uvshear.galaxy import Profile
+
+CONVERGED, PAPER = "converged", "paper"
 
 
-class ExtractionName(StrEnum):
-    """How sources are told apart."""
+class FacetName(StrEnum):
+    """The way in which visibilities become facets."""
 
-    CONVERGED = "converged"
-    PAPER = "paper"
+    EXACT = "exact"
+    CELL_AVERAGE = "cell-average"
 
 
-def extraction_of(
-    name: ExtractionName,
-    facet: FacetName | None,
-    facet_size: float | None,
-    rounds: int | None,
-    uv_min: float | None = None,
-) -> "Extraction":
-    """Return the way of telling sources apart; facets are ``facet_size`` scale lengths wide, if given."""
-    if name is ExtractionName.CONVERGED:
-        if facet is FacetName.CELL_AVERAGE:
+@dataclass(frozen=True)
+class ExtractionChoice:
+    """What the options say; None where an option is not given."""
+
+    name: str
+    facet: FacetName | None = None
+    facet_size: float | None = None
+    passes: int | None = None
+    uv_min: float | None = None
+
+    def extraction(self) -> "Extraction":
+        """Return the extraction; facets are ``facet_size`` scale lengths wide, if given."""
+        if self.name == CONVERGED:
+            return self._converged()
+        if self.name == PAPER:
+            return self._paper()
+        return self._registered()
+
+    def _converged(self) -> "Extraction":
+        from uvshear.extraction import ConvergedExtraction
+
+        if self.facet is FacetName.CELL_AVERAGE:
             raise InputError(
-                "--extraction converged --facet cell-average: its facets are exact;"
+                "--extraction converged --facet cell-average: the converged extraction has exact facets;"
                 " --extraction paper is needed, or --facet exact"
             )
-        if rounds is not None:
+        if self.passes is not None:
             raise InputError(
-                f"--extraction converged --rounds {rounds}: it goes on until nothing changes;"
-                " --extraction paper is needed, or no --rounds"
+                f"--extraction converged --passes {self.passes}: the converged extraction goes on until nothing"
+                " changes; --extraction paper is needed, or no --passes"
             )
-        return _converged(facet_size, uv_min)
-    return _paper(facet or FacetName.CELL_AVERAGE, facet_size, rounds or 1)
+        # A shortest baseline that is asked for, 0 too, is taken at its word.
+        usual = ConvergedExtraction()
+        return ConvergedExtraction(
+            scale_lengths=usual.scale_lengths if self.facet_size is None else self.facet_size,
+            shortest=usual.shortest if self.uv_min is None else self.uv_min,
+        )
 
+    def _paper(self) -> "Extraction":
+        from uvshear.extraction import PaperExtraction
+        from uvshear.extraction.paper.cell_average import (
+            CellAverageFacets,
+            PaperTable,
+            ScaleLengths,
+        )
+        from uvshear.extraction.paper.exact import ExactFacets
 
-def _converged(facet_size: float | None, uv_min: float | None) -> "Extraction":
-    from uvshear.extraction import ConvergedExtraction
+        size, passes = self.facet_size, self.passes or 1
+        if self.facet is FacetName.EXACT:
+            return PaperExtraction(ExactFacets() if size is None else ExactFacets(size), passes)
+        rule = PaperTable() if size is None else ScaleLengths(size)
+        return PaperExtraction(CellAverageFacets(rule), passes)
 
-    # A shortest baseline that is asked for, 0 too, is taken at its word.
-    usual = ConvergedExtraction()
-    return ConvergedExtraction(
-        scale_lengths=usual.scale_lengths if facet_size is None else facet_size,
-        shortest=usual.shortest if uv_min is None else uv_min,
-    )
+    def _registered(self) -> "Extraction":
+        from uvshear.extraction.registry import extraction_named
 
-
-def _paper(facet: FacetName, facet_size: float | None, rounds: int) -> "Extraction":
-    from uvshear.extraction import PaperExtraction
-    from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable, ScaleLengths
-    from uvshear.extraction.paper.exact import ExactFacets
-
-    if facet is FacetName.EXACT:
-        exact = ExactFacets() if facet_size is None else ExactFacets(facet_size)
-        return PaperExtraction(exact, rounds)
-    rule = PaperTable() if facet_size is None else ScaleLengths(facet_size)
-    return PaperExtraction(CellAverageFacets(rule), rounds)
-
-
-def statistics_of(
-    keep: str | None, extraction: ExtractionName, profile: "Profile"
-) -> "tuple[Statistic, ...]":
-    """Return the statistics of names joined by commas; likelihoods are of the ``profile``."""
-    from uvshear.extraction.keep import LikelihoodStatistic, MomentStatistic
-    from uvshear.extraction.metacal import MetacalStatistic
-
-    if keep is None:
-        return ()
-    if extraction is not ExtractionName.CONVERGED:
-        raise InputError(f"--keep {keep}: only --extraction converged keeps statistics")
-    known: dict[str, Statistic] = {
-        "likelihood": LikelihoodStatistic(profile),
-        "moments": MomentStatistic(),
-        "metacal": MetacalStatistic(profile),
-    }
-    for name in keep.split(","):
-        if name not in known:
-            raise InputError(f"--keep {keep}: '{name}' is not known; {', '.join(known)} are")
-    return tuple(one for name, one in known.items() if name in keep.split(","))
+        given = {"--facet": self.facet, "--facet-size": self.facet_size, "--passes": self.passes}
+        for option, value in given.items():
+            if value is not None:
+                raise InputError(
+                    f"{option}: is an option of the package's own extractions, not of --extraction {self.name}"
+                )
+        return extraction_named(self.name)

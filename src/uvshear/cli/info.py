@@ -1,4 +1,4 @@
-"""``uvshear info``: what is in a Measurement Set."""
+"""``uvshear info``: the content of a Measurement Set."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from pathlib import Path
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uvshear.cli.panels import GroupedCommand
 from uvshear.cli.reading import (
     ColumnOption,
     ConjugateOption,
@@ -26,12 +27,12 @@ Fact = tuple[str, str]
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("info", epilog=EPILOG)(info)
+    app.command("info", epilog=EPILOG, cls=GroupedCommand)(info)
 
 
 def info(
     measurement_sets: Annotated[
-        list[Path], typer.Argument(metavar="FIELD.ms...", help="Sets to look at.")
+        list[Path], typer.Argument(metavar="FIELD.ms...", help="Measurement Sets to look at.")
     ],
     column: ColumnOption = "DATA",
     subtract: SubtractOption = None,
@@ -39,73 +40,72 @@ def info(
     scans: ScansOption = None,
     conjugate: ConjugateOption = False,
 ) -> None:
-    """Print what a Measurement Set holds: array, fields, frequencies, flags, uv range, noise against the weights."""
-    from uvshear.io.data_warnings import remarks_on
+    """Print what a Measurement Set holds: array, fields, frequencies, flags, baselines, and its noise against its weights."""
     from uvshear.io.inspection import inspect
 
     reading = reading_of(column, field, scans, conjugates=conjugate, subtracted=subtract)
     for path in measurement_sets:
         seen = inspect(path, reading)
         show_facts(str(path), _facts_of_set(seen))
-        for one in seen.fields:
-            title = f"field {one.data.header.field_id} {one.name}"
-            show_facts(title, _facts_of_field(one))
-            for remark in remarks_on(one):
-                warn(remark)
+        for content in seen.fields:
+            number = "" if content.number is None else f" {content.number}"
+            show_facts(f"field{number} {content.name}".rstrip(), _facts_of_field(content, seen))
+            for text in content.warnings:
+                warn(text)
 
 
 def _facts_of_set(seen: "Inspection") -> list[Fact]:
-    telescope = seen.telescope
-    dishes = ", ".join(f"{one:g}" for one in telescope.diameters)
-    facts = [
-        ("telescope", telescope.name or "not said"),
-        ("antennas", str(telescope.antennas) + (f", dishes of {dishes} m" if dishes else "")),
-        ("columns of visibilities", ", ".join(seen.columns)),
-    ]
-    windows = seen.fields[0].data.spectral_windows
-    for k, (window, correlations) in enumerate(zip(windows, seen.correlations, strict=True)):
+    facts = []
+    if (telescope := seen.telescope) is not None:
+        dishes = ", ".join(f"{diameter:g}" for diameter in telescope.diameters)
+        facts += [
+            ("telescope", telescope.name or "not named"),
+            ("antennas", str(telescope.antennas) + (f", dishes of {dishes} m" if dishes else "")),
+        ]
+    if seen.columns:
+        facts.append(("columns of visibilities", ", ".join(seen.columns)))
+    for k, window in enumerate(seen.windows):
         low = (window.frequency - window.width / 2).min() / 1e6
         high = (window.frequency + window.width / 2).max() / 1e6
-        width = ", ".join(f"{one / 1e3:.6g}" for one in sorted(set(window.width.tolist()))[:3])
-        content = f"{low:.6g} - {high:.6g} MHz, {len(window)} channels of {width} kHz"
-        facts.append((f"window {k}", f"{content}; {' '.join(correlations)}"))
+        width = ", ".join(f"{hertz / 1e3:.6g}" for hertz in sorted(set(window.width.tolist()))[:3])
+        content = f"{low:.6g} - {high:.6g} MHz, {len(window.frequency)} channels of {width} kHz"
+        facts.append((f"window {k}", f"{content}; {' '.join(window.correlations)}"))
     return facts
 
 
-def _facts_of_field(one: "FieldContent") -> list[Fact]:
+def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
     from astropy.coordinates import SkyCoord
     from astropy.time import Time
 
-    counts, centre = one.counts, one.data.phase_centre
+    counts, centre, ranges = content.counts, content.phase_centre, content.ranges
     direction = SkyCoord(centre.ra, centre.dec, unit="rad")
     facts = [
         ("phase centre", direction.to_string("hmsdms", precision=2)),
         ("rows", f"{counts.rows} and {counts.autocorrelations} autocorrelations"),
         ("visibilities (Stokes I)", f"{counts.samples}, {counts.usable} usable"),
         ("flagged", f"{100 * counts.flagged_fraction:.2f} %"),
-        ("weights", one.data.header.weight_column),
+        ("weights", content.weight_column or "as the reader gives them"),
     ]
     if not counts.rows:
         return facts
-    start, end = (Time(day / 86400, format="mjd") for day in one.time)
-    shortest, longest = one.interval
+    start, end = (Time(day / 86400, format="mjd") for day in ranges.time)
+    shortest, longest = ranges.interval
     interval = f"{shortest:.4g}" + (f" to {longest:.4g}" if longest > shortest else "")
-    widest = max(float(part.averaged.max()) for part in one.data.header.descriptions)
+    widest = max((float(window.averaged.max()) for window in seen.windows), default=0.0)
     over_time = f"{interval} s" if longest > 0 else "no time"
     over_channel = f"{widest / 1e3:.6g} kHz" if widest > 0 else "no band"
-    averaged = f"{over_time}, {over_channel}"
     facts += [
         ("time", f"{start.isot[:19]} to {end.isot[:19]} UTC"),
-        ("averaged over", averaged),
+        ("averaged over", f"{over_time}, {over_channel}"),
     ]
     if counts.usable:
-        (near, far), (low, high) = one.baseline, one.uv_distance
+        (near, far), (low, high) = ranges.baseline, ranges.uv_distance
         facts += [
             ("projected baselines", f"{near:.4g} to {far:.6g} m"),
             ("uv distance", f"{low:.4g} to {high:.6g} wavelengths"),
         ]
-    ratio = one.noise_over_weights
-    sense = {True: "yes", False: "the opposite", None: "neither"}[one.uvw_agrees]
+    ratio = content.quality.noise_ratio
+    sense = {True: "yes", False: "the opposite", None: "neither"}[content.uvw_agrees]
     return [
         *facts,
         ("noise over weights' noise", "not known" if ratio is None else f"{ratio:.3g}"),

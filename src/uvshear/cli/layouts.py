@@ -24,7 +24,7 @@ def layouts(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Map to draw; by default NAME-layout.png."),
+        typer.Option("-o", "--output", help="Map to draw; NAME-layout.png unless given."),
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:

@@ -2,13 +2,12 @@
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 import math
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from typer.core import TyperCommand
 
+from uvshear.cli.panels import OUTPUT, RESOURCES, GroupedCommand
 from uvshear.errors import InputError
 from uvshear.io.provenance import Provenance
 
@@ -102,7 +101,7 @@ def pair_of_numbers(text: str) -> Pair:
     return first, second
 
 
-class PairsCommand(TyperCommand):
+class PairsCommand(GroupedCommand):
     """A command whose ``--hour-angles A B`` may be repeated, which typer's options cannot."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -119,22 +118,34 @@ class PairsCommand(TyperCommand):
 
 
 Seed = Annotated[
-    int, typer.Option("--seed", min=0, help="Seed of the random numbers; the same gives the same.")
+    int,
+    typer.Option(
+        "--seed", min=0, help="Seed of the random numbers: the same seed gives the same result."
+    ),
 ]
-Output = Annotated[Path, typer.Option("-o", "--output", help="File to write.", show_default=False)]
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace an output that exists.")]
+Output = Annotated[
+    Path,
+    typer.Option(
+        "-o", "--output", rich_help_panel=OUTPUT, help="File to write.", show_default=False
+    ),
+]
+Overwrite = Annotated[
+    bool,
+    typer.Option("--overwrite", rich_help_panel=OUTPUT, help="Replace outputs that exist."),
+]
 Threads = Annotated[
-    int, typer.Option("--threads", min=0, help="Threads to compute with; 0 takes all cores.")
+    int,
+    typer.Option(
+        "--threads",
+        min=0,
+        rich_help_panel=RESOURCES,
+        help="Number of workers to compute with; 0 takes all cores.",
+    ),
 ]
-
-
-def thread_count(threads: int) -> int:
-    """Cores that this process may use, for 0."""
-    return threads or len(os.sched_getaffinity(0))
 
 
 def provenance(context: typer.Context, *inputs: Path) -> Provenance:
-    """Tell how an output is made: the command with all its options, and the files it read."""
+    """Say how an output is made: the command with all its options, and the files it read."""
     options = {
         name: str(value) if isinstance(value, Path) else value
         for name, value in sorted(context.params.items())

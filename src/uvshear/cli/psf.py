@@ -12,9 +12,9 @@ from uvshear.cli.options import (
     all_positive,
     non_negative,
     positive,
-    thread_count,
     uv_range_of,
 )
+from uvshear.cli.panels import METHOD, OUTPUT, GroupedCommand
 from uvshear.cli.psf_table import loss_rows, measure_figures, shape_rows, told
 from uvshear.cli.reading import (
     ColumnOption,
@@ -42,25 +42,37 @@ EPILOG = "Example: uvshear psf FIELD.ms --round-psf -o field-psf.png"
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("psf", epilog=EPILOG)(psf)
+    app.command("psf", epilog=EPILOG, cls=GroupedCommand)(psf)
 
 
 def psf(
     measurement_sets: Annotated[
-        list[Path], typer.Argument(metavar="FIELD.ms...", help="One pointing, in one set or more.")
+        list[Path],
+        typer.Argument(
+            metavar="FIELD.ms...", help="Visibilities of one pointing, in one set or more."
+        ),
     ],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Picture of the PSF; by default FIELD-psf.png."),
+        typer.Option(
+            "-o",
+            "--output",
+            rich_help_panel=OUTPUT,
+            help="Picture of the PSF; FIELD-psf.png unless given.",
+        ),
     ] = None,
     uv_output: Annotated[
-        Path | None, typer.Option(help="Picture of the coverage; by default FIELD-uv.png.")
+        Path | None,
+        typer.Option(
+            rich_help_panel=OUTPUT, help="Picture of the uv coverage; FIELD-uv.png unless given."
+        ),
     ] = None,
     weight_sigma_arcsec: Annotated[
         list[float] | None,
         typer.Option(
             callback=all_positive,
-            help="Of the Gaussian weight of the moments; may be repeated. By default 1 and 3.",
+            rich_help_panel=METHOD,
+            help="Width of the Gaussian under which moments are taken; may be repeated. 1 and 3 unless given.",
             show_default=False,
         ),
     ] = None,
@@ -68,18 +80,30 @@ def psf(
         float | None,
         typer.Option(
             callback=positive,
-            help="Of the galaxy whose shape information is told; by default 1.",
+            rich_help_panel=METHOD,
+            help="Scale length of the galaxy whose loss of shape information is shown; 1 unless given.",
             show_default=False,
         ),
     ] = None,
     pixel_arcsec: Annotated[
-        float, typer.Option(callback=positive, help="Of the image of the PSF.")
+        float,
+        typer.Option(
+            callback=positive, rich_help_panel=METHOD, help="Pixels of the image of the PSF."
+        ),
     ] = 0.1,
     uv_min: Annotated[
-        float, typer.Option(callback=non_negative, help="Shortest baseline used [wavelengths].")
+        float,
+        typer.Option(
+            callback=non_negative,
+            rich_help_panel=METHOD,
+            help="Shortest baseline to use [wavelengths].",
+        ),
     ] = 0.0,
     uv_max: Annotated[
-        float | None, typer.Option(callback=positive, help="Longest baseline used [wavelengths].")
+        float | None,
+        typer.Option(
+            callback=positive, rich_help_panel=METHOD, help="Longest baseline to use [wavelengths]."
+        ),
     ] = None,
     weight: WeightOption = WeightName.NATURAL,
     robust: RobustOption = None,
@@ -95,7 +119,7 @@ def psf(
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Ellipticity and size of the PSF, what a weighting makes of it and costs, and the uv coverage."""
+    """Measure the ellipticity and size of the PSF, show what a weighting makes of it and costs, and draw the uv coverage."""
     uv_range = uv_range_of(uv_min, uv_max)
     sigmas = weight_sigma_arcsec or [1.0, 3.0]
     choice = WeightChoice(
@@ -117,11 +141,12 @@ def psf(
     disc = scale_length_arcsec or 1.0
 
     from uvshear.constants import ARCSEC
-    from uvshear.diagnostics.psf import point_spread_function, sample_coverage
+    from uvshear.diagnostics.coverage_sample import sample_coverage
+    from uvshear.diagnostics.psf import point_spread_function
     from uvshear.diagnostics.weighting_loss import weighting_loss
+    from uvshear.execution import in_threads
     from uvshear.galaxy import Exponential
     from uvshear.imaging import ImageGrid
-    from uvshear.interferometer.baseline_map import BaselineMap
     from uvshear.interferometer.weighting import TukeyTaper, weighted
     from uvshear.io.observations import open_observation
     from uvshear.io.outputs import check_file
@@ -140,16 +165,17 @@ def psf(
             f" an image of {size} pixels; pixels of sigma/5 or so are needed"
         )
     reading = reading_of(column, field, scans, conjugates=conjugate)
+    executor = in_threads(threads)
     natural = open_observation(measurement_sets, reading)
     grid = ImageGrid(size, pixel_arcsec * ARCSEC)
-    images = {"natural": point_spread_function(natural, grid, threads=thread_count(threads))}
+    images = {"natural": point_spread_function(natural, grid, executor=executor)}
     loss = None
     if is_weighted:
         # What is cut has no part in the density of the others.
         cut = TukeyTaper(uv_range.minimum, uv_range.maximum)
         observation = weighted(natural, (cut, *weightings))
-        images["weighted"] = point_spread_function(observation, grid, threads=thread_count(threads))
-        cells = BaselineMap.of(observation.with_factors())
+        images["weighted"] = point_spread_function(observation, grid, executor=executor)
+        cells = observation.map_baselines(executor)
         loss = told("the shape information", weighting_loss, cells, disc * ARCSEC, Exponential())
     figures = [
         measure_figures(f"{name} weights", image, grid.pixel, sigmas)

@@ -26,7 +26,7 @@ class PsfFigures:
 
     @property
     def ellipticity(self) -> complex | None:
-        """Under the last of the weights."""
+        """Ellipticity under the last of the Gaussian weights."""
         last = self.moments[-1]
         return last.ellipticity if last else None
 
@@ -34,7 +34,7 @@ class PsfFigures:
 def measure_figures(
     name: str, image: "Float[Array, 'l m']", pixel: float, sigmas: Sequence[float]
 ) -> PsfFigures:
-    """Measure the image of what is so named on pixels of ``pixel`` [rad], under weights of so many arcsec."""
+    """Measure an image on pixels of ``pixel`` [rad] under Gaussian weights of these widths [arcsec]; notes name it."""
     from uvshear.constants import ARCSEC
     from uvshear.interferometer.psf_shape import fit_main_lobe, measure_psf
 
@@ -43,7 +43,7 @@ def measure_figures(
 
 
 def told(name: str, measure: Callable[P, T], *arguments: P.args, **options: P.kwargs) -> T | None:
-    """Return what is measured of what is so named; what cannot be is told, and is None."""
+    """Return what is measured; where it cannot be, say so under a name and return None."""
     try:
         return measure(*arguments, **options)
     except InputError as error:
@@ -57,7 +57,7 @@ def shape_rows(figures: Sequence[PsfFigures], sigmas: Sequence[float]) -> list[t
 
     rows: list[tuple[str, ...]] = []
     for index, sigma in enumerate(sigmas):
-        moments = [one.moments[index] for one in figures]
+        moments = [figure.moments[index] for figure in figures]
         under = f"under a weight of sigma {sigma:g} arcsec"
         rows += [
             _row(f"e1 {under}", moments, lambda shape: f"{shape.ellipticity.real:+.4f}"),
@@ -68,7 +68,7 @@ def shape_rows(figures: Sequence[PsfFigures], sigmas: Sequence[float]) -> list[t
                 lambda shape: f"{shape.size / ARCSEC**2:.3f} arcsec2",
             ),
         ]
-    lobes = [one.lobe for one in figures]
+    lobes = [figure.lobe for figure in figures]
     return [
         *rows,
         _row("e1 of the main lobe", lobes, lambda lobe: f"{lobe.ellipticity.real:+.4f}"),

@@ -5,31 +5,46 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from uvshear.cli.panels import DATA
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
     from uvshear.io.observations import Reading
 
-ColumnOption = Annotated[str, typer.Option("--column", help="Column of visibilities.")]
+ColumnOption = Annotated[
+    str, typer.Option("--column", rich_help_panel=DATA, help="Column of the visibilities.")
+]
 SubtractOption = Annotated[
     str | None,
     typer.Option(
         "--subtract",
-        help="Column of a model to take from the visibilities, such as MODEL_DATA.",
+        rich_help_panel=DATA,
+        help="Column of a model that is subtracted from the visibilities, such as MODEL_DATA.",
         show_default=False,
     ),
 ]
 FieldOption = Annotated[
-    str | None, typer.Option("--field", help="Field (name or number), where a set holds several.")
+    str | None,
+    typer.Option(
+        "--field",
+        rich_help_panel=DATA,
+        help="Name or number of the field, where a set holds several.",
+    ),
 ]
 ScansOption = Annotated[
     str | None,
-    typer.Option("--scans", help="Scans to read, such as 3,5-8; all of them unless given."),
+    typer.Option(
+        "--scans",
+        rich_help_panel=DATA,
+        help="Scans to read, such as 3,5-8; all of them unless given.",
+    ),
 ]
 ConjugateOption = Annotated[
     bool,
     typer.Option(
-        "--conjugate", help="Take UVW with the other sign, of a set that mirrors the sky."
+        "--conjugate",
+        rich_help_panel=DATA,
+        help="Take UVW with the opposite sign, for a set that mirrors the sky.",
     ),
 ]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uvshear.cli.beams import BeamName, PrimaryBeamOption, beam_of
+from uvshear.cli.beams import NONE, PrimaryBeamOption, beam_of_dishes
 from uvshear.cli.options import (
     Output,
     Overwrite,
@@ -26,9 +26,8 @@ from uvshear.cli.options import (
     positive_pair,
     positive_range,
     reduced_shear,
-    thread_count,
 )
-from uvshear.cli.profiles import ProfileName, profile_of
+from uvshear.cli.panels import ARRAY, DATA, MODEL, NOISE, SKY
 from uvshear.cli.terminal import progress_bar, say
 from uvshear.errors import InputError
 
@@ -46,7 +45,7 @@ EPILOG = (
 
 
 class NoiseOn(StrEnum):
-    """What the radiometer equation's sigma belongs to."""
+    """The quantity whose noise the radiometer equation gives."""
 
     STOKES_I = "stokes-i"
     CORRELATION = "correlation"
@@ -59,81 +58,173 @@ def register(app: typer.Typer) -> None:
 
 def simulate(
     layout: Annotated[
-        str, typer.Option(help="A known array (see uvshear layouts), or a file of positions.")
+        str,
+        typer.Option(
+            rich_help_panel=ARRAY,
+            help="A known array (see uvshear layouts), or a file of antenna positions.",
+            show_default=False,
+        ),
     ],
-    catalogue: Annotated[Path, typer.Option(help="Catalogue of galaxies.")],
-    integration_s: Annotated[float, typer.Option(callback=positive, help="Length of a sample.")],
+    catalogue: Annotated[
+        Path,
+        typer.Option(
+            rich_help_panel=SKY,
+            help="Catalogue of galaxies; columns shear1 and shear2 shear each by itself.",
+            show_default=False,
+        ),
+    ],
+    integration_s: Annotated[
+        float,
+        typer.Option(
+            callback=positive,
+            rich_help_panel=ARRAY,
+            help="Length of an integration.",
+            show_default=False,
+        ),
+    ],
     band_mhz: Annotated[
-        Pair, typer.Option(callback=positive_range, metavar="LO HI", help="Edges of the band.")
+        Pair,
+        typer.Option(
+            callback=positive_range,
+            metavar="LO HI",
+            rich_help_panel=ARRAY,
+            help="Edges of the band.",
+            show_default=False,
+        ),
     ],
     output: Output,
     declination_deg: Annotated[
         float | None,
-        typer.Option(callback=declination, help="Of the phase centre; else the catalogue's."),
+        typer.Option(
+            callback=declination,
+            rich_help_panel=ARRAY,
+            help="Declination of the phase centre; that of the catalogue's field unless given.",
+        ),
     ] = None,
     ra_deg: Annotated[
         float | None,
-        typer.Option(callback=finite, help="Of the phase centre; else the catalogue's, or 0."),
+        typer.Option(
+            callback=finite,
+            rich_help_panel=ARRAY,
+            help="Right ascension of the phase centre; that of the catalogue's field, or 0, unless given.",
+        ),
     ] = None,
     hours: Annotated[
-        float | None, typer.Option(callback=positive, help="Length of the track, about transit.")
+        float | None,
+        typer.Option(
+            callback=positive, rich_help_panel=ARRAY, help="Length of the track, about transit."
+        ),
     ] = None,
     hour_angles: Annotated[
         list[str] | None,
         typer.Option(
             callback=hour_angle_ranges,
             metavar="A B",
+            rich_help_panel=ARRAY,
             help="Range of the track, in hours from transit; may be repeated.",
         ),
     ] = None,
-    channels: Annotated[int, typer.Option(callback=positive, help="Channels in the band.")] = 1,
+    channels: Annotated[
+        int,
+        typer.Option(
+            callback=positive, rich_help_panel=ARRAY, help="Number of channels in the band."
+        ),
+    ] = 1,
     shear: Annotated[
-        Pair, typer.Option(callback=reduced_shear, metavar="G1 G2", help="Reduced shear.")
+        Pair,
+        typer.Option(
+            callback=reduced_shear,
+            metavar="G1 G2",
+            rich_help_panel=SKY,
+            help="Reduced shear of all galaxies in the frame of local North, as TreeCorr takes RA and Dec.",
+        ),
     ] = (0.0, 0.0),
     legacy_shear: Annotated[
         bool,
-        typer.Option("--legacy-shear", help="Keep alpha under shear, as the paper; no true shear."),
+        typer.Option(
+            "--legacy-shear",
+            rich_help_panel=SKY,
+            help="Change e and keep the scale length, as the paper's simulations do: not what a lens does.",
+        ),
     ] = False,
     snr_at: Annotated[
         Pair | None,
         typer.Option(
             callback=positive_pair,
             metavar="UJY SNR",
-            help="Noise by the SNR of the median galaxy of a flux.",
+            rich_help_panel=NOISE,
+            help="Flux of a galaxy of median size, and the signal-to-noise ratio that the noise gives it.",
         ),
     ] = None,
     sefd_jy: Annotated[
         str | None,
-        typer.Option(help="Noise by the dishes: a number, or DIAMETER:SEFD,DIAMETER:SEFD."),
+        typer.Option(
+            rich_help_panel=NOISE,
+            help="System equivalent flux density of the dishes: a number, or DIAMETER:SEFD,DIAMETER:SEFD.",
+        ),
     ] = None,
     efficiency: Annotated[
-        float, typer.Option(callback=fraction, help="Of the system, with --sefd-jy.")
+        float,
+        typer.Option(
+            callback=fraction, rich_help_panel=NOISE, help="System efficiency, with --sefd-jy."
+        ),
     ] = 0.9,
     noise_on: Annotated[
-        NoiseOn, typer.Option(help="What sigma belongs to, with --sefd-jy.")
+        NoiseOn,
+        typer.Option(
+            rich_help_panel=NOISE,
+            help="Whether the radiometer equation's sigma is that of Stokes I or of a correlation, with --sefd-jy.",
+        ),
     ] = NoiseOn.STOKES_I,
     no_noise: Annotated[
-        bool, typer.Option("--no-noise", help="No noise; weights as with it.")
+        bool,
+        typer.Option(
+            "--no-noise",
+            rich_help_panel=NOISE,
+            help="Add no noise, and keep the weights as with it.",
+        ),
     ] = False,
     elevation_limit_deg: Annotated[
-        float, typer.Option(callback=non_negative, help="Leave out samples below it.")
+        float,
+        typer.Option(
+            callback=non_negative,
+            rich_help_panel=ARRAY,
+            help="Elevation below which samples are left out.",
+        ),
     ] = 15.0,
     no_elevation_limit: Annotated[
-        bool, typer.Option("--no-elevation-limit", help="Keep samples at any elevation.")
+        bool,
+        typer.Option(
+            "--no-elevation-limit",
+            rich_help_panel=ARRAY,
+            help="Keep samples at any elevation.",
+        ),
     ] = False,
     smearing: Annotated[
         bool,
         typer.Option(
             "--smearing",
-            help="Average over channels and integrations; the paper's samples are of one frequency and moment.",
+            rich_help_panel=MODEL,
+            help="Average over channels and integrations, as a correlator does; else each sample is of one frequency"
+            " and moment, as in the paper.",
         ),
     ] = False,
-    primary_beam: PrimaryBeamOption = BeamName.NONE,
+    primary_beam: PrimaryBeamOption = NONE,
     profile: Annotated[
-        ProfileName, typer.Option(help="Of all galaxies.")
-    ] = ProfileName.EXPONENTIAL,
+        str,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=MODEL,
+            help="Brightness profile of all galaxies: exponential, gaussian, sersic-2, disc-bulge, or one of your"
+            " own.",
+        ),
+    ] = "exponential",
     flux_unit: Annotated[
-        str | None, typer.Option(help="Unit of a flux column that has none (CSV).")
+        str | None,
+        typer.Option(
+            rich_help_panel=DATA,
+            help="Unit of the catalogue's flux where its file has none (CSV).",
+        ),
     ] = None,
     seed: Seed = 1,
     threads: Threads = 0,
@@ -153,6 +244,8 @@ def simulate(
         pairs = [pair_of_numbers(text) for text in hour_angles or ()]
         ranges = tuple((start * 3600, stop * 3600) for start, stop in pairs)
 
+    from uvshear.execution import in_threads
+    from uvshear.galaxy.registry import profile_named
     from uvshear.interferometer.coverage import Track
     from uvshear.interferometer.layout import load_layout
     from uvshear.interferometer.plan import ObservingPlan
@@ -160,10 +253,11 @@ def simulate(
     from uvshear.io.catalogue import read_catalogue
     from uvshear.io.measurement_set_writer import write_measurement_set
     from uvshear.io.outputs import check_output
-    from uvshear.pipeline import simulate as simulate_observation
+    from uvshear.pipeline.simulate import simulate as simulate_observation
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
 
     check_output(output, overwrite=overwrite)
+    executor = in_threads(threads)
     sources = read_catalogue(catalogue, flux_unit=flux_unit)
     centre = phase_centre_of(sources, ra_deg, declination_deg)
     limit = None if no_elevation_limit else math.radians(elevation_limit_deg)
@@ -173,7 +267,7 @@ def simulate(
         Track.from_clock(centre, ranges, integration_s, limit),
         Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, channels),
         is_averaged=smearing,
-        primary_beam=beam_of(primary_beam, lambda: array.diameters, f"layout {layout}"),
+        primary_beam=beam_of_dishes(primary_beam, lambda: array.diameters),
     )
     observation = simulate_observation(
         sources,
@@ -181,16 +275,16 @@ def simulate(
         noise=_noise(sefd, efficiency, noise_on, snr_at or (10.0, 10.0)),
         shear=complex(*shear),
         lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
-        profile=profile_of(profile),
+        profile=profile_named(profile),
         seed=None if no_noise else seed,
-        threads=thread_count(threads),
+        executor=executor,
     )
     with progress_bar("simulating") as progress:
         write_measurement_set(
             output,
             observation,
             overwrite=overwrite,
-            threads=thread_count(threads),
+            executor=executor,
             progress=progress,
         )
     rows, sources_there = len(observation.coverage), len(observation.galaxies)

@@ -1,8 +1,10 @@
 """What the user sees: tables and a progress bar, the bar on a terminal only."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import typer
 
@@ -11,7 +13,7 @@ from uvshear.progress import Progress
 
 @contextmanager
 def progress_bar(description: str) -> Iterator[Progress]:
-    """Give a function that moves a bar on stderr; on what is no terminal it does nothing."""
+    """Give a function that moves a bar on stderr; where stderr is no terminal the function does nothing."""
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
@@ -48,8 +50,27 @@ def show_facts(title: str, facts: Sequence[tuple[str, str]]) -> None:
     say("\n".join([title, *(f"  {name:<{width}}  {fact}" for name, fact in facts)]))
 
 
+@contextmanager
+def notes_of_warnings() -> Iterator[None]:
+    """Show warnings about the data as notes on stderr, at once and each time."""
+    from uvshear.errors import DataWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", DataWarning)
+        shown = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+            if issubclass(category, DataWarning):
+                warn(str(message))
+            else:
+                shown(message, category, *where, **more)
+
+        warnings.showwarning = show
+        yield
+
+
 def warn(text: str) -> None:
-    """Show a line on stderr for what is done all the same."""
+    """Show a note on stderr: what a user should know of a run that goes on."""
     typer.echo(f"uvshear: note: {text}", err=True)
 
 

@@ -1,4 +1,4 @@
-"""Options that weigh baselines, under the names that imagers have for them."""
+"""Options that weight baselines, under the names that imagers have for them."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from dataclasses import dataclass
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uvshear.cli.options import finite, positive
+from uvshear.cli.panels import METHOD
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class WeightName(StrEnum):
-    """Between the best SNR and the best resolution."""
+    """A weighting, from the best signal-to-noise ratio to the best resolution."""
 
     NATURAL = "natural"
     UNIFORM = "uniform"
@@ -24,25 +25,32 @@ class WeightName(StrEnum):
 
 WeightOption = Annotated[
     WeightName,
-    typer.Option("--weight", help="Of the cells of the uv plane."),
+    typer.Option(
+        "--weight",
+        rich_help_panel=METHOD,
+        help="Weighting of the visibilities; all but natural cost information.",
+    ),
 ]
 RobustOption = Annotated[
     float | None,
     typer.Option(
         "--robust",
         callback=finite,
-        help="Of --weight briggs: from -2 (uniform) to 2 (natural).",
+        rich_help_panel=METHOD,
+        help="Robustness of --weight briggs, from -2 (uniform) to 2 (natural).",
     ),
 ]
 USUAL_FIELD = 10.0
-"""Cells are one over so many arcmin wide unless asked for."""
+"""Field of view whose inverse is the width of the uv cells, unless another is given [arcmin]."""
 
 WeightFieldOption = Annotated[
     float | None,
     typer.Option(
         "--weight-field-arcmin",
         callback=positive,
-        help="Cells are one over this wide, 10 unless given: the field of view of an imager, for wsclean 1.2 of it.",
+        rich_help_panel=METHOD,
+        help="Field of view whose inverse is the width of the uv cells of --weight [10]; the width of an image,"
+        " for wsclean 1.2 of it.",
         show_default=False,
     ),
 ]
@@ -51,7 +59,8 @@ GaussianTaperOption = Annotated[
     typer.Option(
         "--taper-gaussian-arcsec",
         callback=positive,
-        help="FWHM of the beam that a Gaussian taper makes of a point.",
+        rich_help_panel=METHOD,
+        help="Gaussian taper that makes a beam of this FWHM of a point.",
     ),
 ]
 TukeyTaperOption = Annotated[
@@ -59,7 +68,8 @@ TukeyTaperOption = Annotated[
     typer.Option(
         "--taper-tukey",
         callback=positive,
-        help="Length of the cosine that ends at --uv-max [wavelengths].",
+        rich_help_panel=METHOD,
+        help="Length of the cosine taper that ends at --uv-max [wavelengths].",
     ),
 ]
 InnerTukeyTaperOption = Annotated[
@@ -67,21 +77,23 @@ InnerTukeyTaperOption = Annotated[
     typer.Option(
         "--taper-inner-tukey",
         callback=positive,
-        help="Length of the cosine that begins at --uv-min [wavelengths].",
+        rich_help_panel=METHOD,
+        help="Length of the cosine taper that begins at --uv-min [wavelengths].",
     ),
 ]
 RoundPsfOption = Annotated[
     bool,
     typer.Option(
         "--round-psf",
-        help="Weigh directions on every ring of the uv plane until the PSF is round.",
+        rich_help_panel=METHOD,
+        help="Weight the directions on every ring of the uv plane so that the PSF is round.",
     ),
 ]
 
 
 @dataclass(frozen=True)
 class WeightChoice:
-    """What the options say."""
+    """The weighting that the options describe."""
 
     weight: WeightName
     robust: float | None

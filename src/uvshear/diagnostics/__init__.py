@@ -1,1 +1,1 @@
-"""What tells how good an observation and a measurement are: PSF, cost of a weighting, residual image, slopes."""
+"""Diagnostics of observations and measurements: PSF, weighting loss, residual image, natural SNR, slopes of shapes."""

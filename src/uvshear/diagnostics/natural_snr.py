@@ -1,38 +1,73 @@
 """Signal-to-noise ratios of natural weights, whatever baselines a shape was taken from."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from uvshear.diagnostics.natural_norms import natural_norms
 from uvshear.execution import SERIAL, Executor
 from uvshear.galaxy import Galaxies, Profile
-from uvshear.interferometer.visibilities import Observation
+from uvshear.geometry.ellipticity import quadratic_form
+from uvshear.interferometer.baseline_map import BaselineMap
 from uvshear.predict.response import Response
 from uvshear.shapes.measurement import ShapeMeasurement
+from uvshear.typing import Array, Float
 
 
 def with_natural_snr(
     measurements: Mapping[int, ShapeMeasurement],
-    observation: Observation,
+    cells: BaselineMap,
     sky: Galaxies,
     profile: Profile,
-    executor: Executor = SERIAL,
     response: Response | None = None,
+    executor: Executor = SERIAL,
 ) -> Mapping[int, ShapeMeasurement]:
-    """Quote S sqrt(<m, m>) over all visibilities, which are read once, for the galaxies of the ``sky``.
+    """Return the measurements with the signal-to-noise ratio S sqrt(<m, m>) over all visibilities.
 
-    Of what a ``response`` leaves of them, if there is one.
+    Parameters
+    ----------
+    measurements
+        Shapes by index of the catalogue.
+    cells
+        Natural weights of all visibilities.
+    sky
+        All sources of the catalogue as they were found.
+    profile
+        Brightness profile of the galaxies.
+    response
+        Attenuation of the sources; none unless given.
+    executor
+        Runs galaxies side by side.
     """
     if not measurements:
         return measurements
-    order = np.array(list(measurements))
-    galaxies = sky.select(order)
-    norms = natural_norms(observation, galaxies, profile, executor)
+    galaxies = sky.select(np.array(list(measurements)))
+    norms = natural_norms(cells, galaxies, profile, executor)
     if response is not None:
         norms = norms * response.attenuations(galaxies) ** 2
     return {
         source: replace(shape, snr=shape.flux * float(np.sqrt(norm)))
         for (source, shape), norm in zip(measurements.items(), norms, strict=True)
     }
+
+
+def natural_norms(
+    cells: BaselineMap, galaxies: Galaxies, profile: Profile, executor: Executor = SERIAL
+) -> Float[Array, " source"]:
+    """<m, m> of each galaxy for unit flux over every visibility [Jy^-2]: snr = S sqrt<m, m>.
+
+    The weights are known over the length (in logarithmic steps) and the angle of the baselines: a model's square has no
+    phase, so that it hardly changes across a cell. The tilt of baselines seen from off the phase centre is left out.
+    """
+    form = np.stack(quadratic_form(galaxies.ellipticity, galaxies.scale_length), axis=-1)
+    squares = 4 * math.pi**2 * np.stack([cells.u**2, cells.u * cells.v, cells.v**2])
+    squares, weight = squares.astype(np.float32), cells.weight.astype(np.float32)
+
+    def norm(source: int) -> float:
+        q = form[source].astype(np.float32) @ squares
+        index, reference = galaxies.spectral_index[source], galaxies.reference_frequency
+        gain = np.exp(2 * index * (cells.log_frequency - math.log(reference))).astype(np.float32)
+        return float(np.sum(weight * gain * profile.envelope(q) ** 2, dtype=float))
+
+    return np.array(list(executor.map(norm, range(len(galaxies)))))

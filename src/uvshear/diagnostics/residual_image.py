@@ -1,47 +1,42 @@
-"""What is left of a field when its sky is taken away, for the eye: the dirty image, and that of the residual.
+"""The dirty image of a field, and that of the residual when its sky is subtracted.
 
-One visit of the visibilities. Both images have natural weights, and the w-planes of the gridder make them exact over
-the whole field.
+Both come from one pass over the visibilities. They have natural weights, and the w-planes of the gridder make them
+exact over the whole field.
 """
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from uvshear.constants import ARCSEC, SPEED_OF_LIGHT
 from uvshear.errors import InputError
-from uvshear.extraction.converged.major_cycle import (
-    BYTES_PER_SAMPLE,
-    Gridding,
-    ModelledSky,
-    Step,
-    blocks,
-    predict_samples,
-    slabs,
-)
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.imaging import ImageGrid
 from uvshear.imaging.bands import OVERSAMPLING, octaves
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.imaging.tiles import Footprint, plan_tiles
+from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.samples import Samples
-from uvshear.interferometer.summary import Extent
+from uvshear.interferometer.summary import ObservationSummary
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
 from uvshear.numerics.fft_sizes import fast_size
 from uvshear.predict import predict_visibilities
+from uvshear.predict.blocks import BlockAccumulator
+from uvshear.predict.gridded import BYTES_PER_SAMPLE, Gridding, ModelledSky, predict_samples, slabs
 from uvshear.predict.response import Response
 from uvshear.typing import Array, Complex, Float
 
 MOST_PIXELS = 4096
 FEWEST_PIXELS = 64
-"""Across an image."""
+"""Number of pixels across an image, at most and at least."""
 
 WIDEST = 1.0
-"""Across an image, in direction cosines: its corners stay above the horizon."""
+"""Width of an image at most, in direction cosines: its corners stay above the horizon."""
 
 COMFORTABLE = 1.5
 """Nyquist frequency of the pixels over the longest baseline, where ``MOST_PIXELS`` allows; at least
@@ -49,21 +44,25 @@ COMFORTABLE = 1.5
 
 MARGIN = 30 * ARCSEC
 RELATIVE_MARGIN = 0.1
-"""Sky beyond the outermost source, the larger of the two; the second over that source's distance."""
+"""Margin of sky beyond the outermost source: the larger of a length [rad] and of a part of the source's distance."""
 
 DIRECT = 2e9
-"""Sources times samples up to which the models are summed directly: ten seconds."""
+"""Number of sources times samples up to which the models are summed directly, which takes ten seconds."""
 
 REACH = 14.0
-"""Long-axis scale lengths that are drawn of a galaxy: 1e-5 of an exponential disc's flux is beyond."""
+"""Distance to which a galaxy is drawn [long-axis scale lengths]: 1e-5 of an exponential disc's flux is beyond."""
 
 POINT_STAMP = 128
-"""Finest pixels across the smallest source that is drawn: its image rings until the taper has worn off."""
+"""Width to which the smallest source is drawn [finest pixels]: its image rings until the taper has worn off."""
 
 BYTES_PER_PIXEL = 60
-"""What a pixel takes while it is worked on: itself, and the oversampled plane of the gridder."""
+"""Memory that a pixel takes while it is worked on: the pixel, and the oversampled plane of the gridder."""
 
 Predict = Callable[[Samples], Complex[Array, " sample"]]
+"""Predicts the visibilities of a sky [Jy]."""
+
+Step = Callable[[int], None]
+"""Called with the number of samples that have been predicted or imaged."""
 
 
 @dataclass(frozen=True)
@@ -73,19 +72,19 @@ class DirtyAndResidual:
     Parameters
     ----------
     dirty
-        Of the data [Jy/beam].
+        Image of the data [Jy/beam].
     residual
-        Of the data less all models [Jy/beam].
+        Image of the data less all models [Jy/beam].
     grid
         Pixels, about the phase centre.
     weight
-        Sum of the weights that went in [Jy^-2].
+        Sum of the weights of the visibilities that took part [Jy^-2].
     frequency
-        Weighted mean [Hz].
+        Weighted mean of their frequencies [Hz].
     uv_range
-        Baselines that went in: those that were asked for and that the pixels can carry.
+        Baselines that took part: those that were asked for and that the pixels can carry.
     samples
-        Number of visibilities that went in.
+        Number of visibilities that took part.
     """
 
     dirty: Float[Array, "l m"]
@@ -103,12 +102,12 @@ class DirtyAndResidual:
 
     @property
     def rms(self) -> float:
-        """Of the residual, over the whole image [Jy/beam]."""
+        """Root mean square of the residual over the whole image [Jy/beam]."""
         return root_mean_square(self.residual)
 
 
 def root_mean_square(image: Float[Array, "l m"]) -> float:
-    """Over all pixels, about zero."""
+    """Root mean square of all pixels, about zero."""
     return float(np.sqrt(np.mean(np.square(image, dtype=float))))
 
 
@@ -117,7 +116,7 @@ def residual_image(
     sky: Galaxies,
     profile: Profile,
     *,
-    extent: Extent,
+    summary: ObservationSummary,
     uv_range: UvRange | None = None,
     gridding: Gridding | None = None,
     attenuation: Attenuation | None = None,
@@ -132,15 +131,15 @@ def residual_image(
     Parameters
     ----------
     sky
-        What is subtracted; sources without flux do not count.
-    extent
-        Of the observation.
+        The sky that is subtracted; sources without flux do not count.
+    summary
+        Summary of the observation.
     uv_range
         Baselines to image; all unless given.
     attenuation
-        Of each source.
+        Attenuation of the sources; none unless given.
     step
-        Hears how many samples have been predicted (once each) and imaged (twice each).
+        Called with the number of samples that have been predicted (once each) and imaged (twice each).
 
     Notes
     -----
@@ -149,38 +148,114 @@ def residual_image(
     """
     uv_range, gridding = uv_range or UvRange(), gridding or Gridding()
     sky = sky.select(np.flatnonzero(sky.flux != 0))
-    grid, used = plan_image(sky, uv_range, extent.longest)
-    longest = used.maximum * (1 + 1e-9)  # the longest baseline itself takes part
-    chosen = _direct if len(sky) * extent.samples <= DIRECT else _tiled
-    predict = chosen(
-        _modelled(sky, profile, Response.from_sky(sky, extent.probes, attenuation), grid, longest),
-        used.minimum,
-        longest,
-        gridding,
-    )
-    both = np.zeros((2, grid.size, grid.size))
-    weight = weighted_frequency = 0.0
-    count = 0
-    for samples in blocks(observation, used.minimum, longest, gridding.block):
-        left = samples.stokes_i - predict(samples) if len(sky) else samples.stokes_i
-        if step is not None:
-            step(len(samples))
-        _add_images(samples, left, grid, gridding, both, step)
-        weight += float(samples.weights.sum(dtype=float))
-        weighted_frequency += float(np.sum(samples.weights * samples.frequency))
-        count += len(samples)
-    if weight == 0:
-        raise InputError(
-            f"no visibility from {used.minimum:g} to {used.maximum:g} wavelengths carries weight:"
-            " there is nothing to make a residual image of"
-        )
-    dirty, residual = (both / weight).astype(np.float32)
-    frequency = weighted_frequency / weight
-    return DirtyAndResidual(dirty, residual, grid, weight, frequency, used, count)
+    grid, used = plan_image(sky, uv_range, summary.longest)
+    longest = _beyond(used)
+    predict: Predict | None = None
+    if len(sky):
+        response = Response.from_sky(sky, summary.probes, attenuation)
+        modelled = _modelled(sky, profile, response, grid, longest)
+        chosen = _direct if len(sky) * summary.samples <= DIRECT else _tiled
+        predict = chosen(modelled, used.minimum, longest, gridding)
+    accumulator = ResidualImageAccumulator(grid, used, predict, gridding, step)
+    (images,) = accumulate(observation, [accumulator])
+    return images
+
+
+def _beyond(uv_range: UvRange) -> float:
+    """Upper end of a half-open range in which the longest baseline itself takes part [wavelengths]."""
+    return uv_range.maximum * (1 + 1e-9)
+
+
+class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
+    """Dirty and residual image of the samples of a range of baselines.
+
+    Parameters
+    ----------
+    grid
+        Pixels, about the phase centre.
+    uv_range
+        Baselines that take part.
+    predict
+        Predicts the models for samples; None for an empty sky.
+    gridding
+        Accuracy and resources.
+    step
+        Called with the number of samples that have been predicted or imaged.
+    """
+
+    def __init__(
+        self,
+        grid: ImageGrid,
+        uv_range: UvRange,
+        predict: Predict | None,
+        gridding: Gridding,
+        step: Step | None = None,
+    ) -> None:
+        super().__init__(uv_range.minimum, _beyond(uv_range), gridding.block)
+        self._grid, self._uv_range, self._predict = grid, uv_range, predict
+        self._gridding, self._step = gridding, step
+        self._images = np.zeros((2, grid.size, grid.size))
+        self._weight = self._weighted_frequency = 0.0
+        self._count = 0
+
+    def add_block(self, samples: Samples) -> None:
+        """Predict the models of a block, and image its data and its residuals."""
+        residual = samples.stokes_i
+        if self._predict is not None:
+            residual = residual - self._predict(samples)
+        self._report(len(samples))
+        self._add_images(samples, residual)
+        self._weight += float(samples.weights.sum(dtype=float))
+        self._weighted_frequency += float(np.sum(samples.weights * samples.frequency))
+        self._count += len(samples)
+
+    def add_sums(self, later: Self) -> None:
+        """Add the images of later visibilities."""
+        self._images += later._images
+        self._weight += later._weight
+        self._weighted_frequency += later._weighted_frequency
+        self._count += later._count
+
+    def total(self) -> DirtyAndResidual:
+        """Return the two images."""
+        weight, used = self._weight, self._uv_range
+        if weight == 0:
+            raise InputError(
+                f"no visibility from {used.minimum:g} to {used.maximum:g} wavelengths carries weight:"
+                " there is nothing to make a residual image of"
+            )
+        dirty, residual = (self._images / weight).astype(np.float32)
+        frequency = self._weighted_frequency / weight
+        return DirtyAndResidual(dirty, residual, self._grid, weight, frequency, used, self._count)
+
+    def _add_images(self, samples: Samples, residual: Complex[Array, " sample"]) -> None:
+        """Add weight times data and weight times residual, imaged, to the two images."""
+        grid, gridding = self._grid, self._gridding
+
+        def image(task: tuple[int, slice]) -> tuple[int, int, Float[Array, "l m"]]:
+            which, rows = task
+            vis = (residual if which else samples.stokes_i)[rows] * samples.weights[rows]
+            plane = TangentPlane.at(samples.uvw[rows], 0.0, 0.0)
+            return which, len(vis), plane.image(vis, grid.size, grid.pixel, gridding.epsilon)
+
+        tasks = ((which, rows) for rows in slabs(len(samples)) for which in (0, 1))
+        # Each worker holds an image.
+        memory = gridding.block * BYTES_PER_SAMPLE
+        executor = gridding.executor.at_most(memory // (grid.size**2 * BYTES_PER_PIXEL))
+        for which, count, part in executor.map(image, tasks):
+            self._images[which] += part
+            self._report(count)
+
+    def _report(self, samples: int) -> None:
+        if self._step is not None:
+            self._step(samples)
 
 
 def plan_image(sky: Galaxies, uv_range: UvRange, longest: float) -> tuple[ImageGrid, UvRange]:
-    """Pixels that hold every source, and the baselines [wavelengths] that they carry; ``longest`` is what there is."""
+    """Choose pixels that hold every source; return them with the baselines [wavelengths] that they carry.
+
+    ``longest`` is the longest baseline of the observation.
+    """
     outermost = float(np.max(np.abs([sky.l, sky.m]), initial=0.0))
     width = min(2 * (outermost + max(MARGIN, RELATIVE_MARGIN * outermost)), WIDEST)
     wanted = min(uv_range.maximum, longest)
@@ -208,7 +283,7 @@ def _modelled(
 
 
 def _direct(sky: ModelledSky, shortest: float, longest: float, gridding: Gridding) -> Predict:
-    """Models summed source by source."""
+    """Predict by the sum over sources."""
     galaxies, response = sky.galaxies, sky.response
     shared = response.shared_factors(galaxies, shortest, longest)
     flat = np.zeros(len(galaxies))
@@ -230,7 +305,7 @@ def _direct(sky: ModelledSky, shortest: float, longest: float, gridding: Griddin
 
 
 def _tiled(sky: ModelledSky, shortest: float, longest: float, gridding: Gridding) -> Predict:
-    """Models drawn on tiles, a band of baselines at a time."""
+    """Predict by images on tiles, a band of baselines at a time."""
     footprint = Footprint(sky.galaxies.l, sky.galaxies.m, sky.half_width)
     lm = np.column_stack([footprint.l, footprint.m])
     span = float(np.ptp(lm, axis=0).max()) + 2 * float(sky.half_width.max())
@@ -248,28 +323,3 @@ def _tiled(sky: ModelledSky, shortest: float, longest: float, gridding: Gridding
         return model
 
     return predict
-
-
-def _add_images(
-    samples: Samples,
-    left: Complex[Array, " sample"],
-    grid: ImageGrid,
-    gridding: Gridding,
-    both: Float[Array, "image l m"],
-    step: Step | None,
-) -> None:
-    """Add weight times data and weight times residual, imaged, to the two images."""
-
-    def image(task: tuple[int, slice]) -> tuple[int, int, Float[Array, "l m"]]:
-        which, rows = task
-        vis = (left if which else samples.stokes_i)[rows] * samples.weights[rows]
-        plane = TangentPlane.at(samples.uvw[rows], 0.0, 0.0)
-        return which, len(vis), plane.image(vis, grid.size, grid.pixel, gridding.epsilon)
-
-    tasks = ((which, rows) for rows in slabs(len(samples)) for which in (0, 1))
-    at_once = gridding.block * BYTES_PER_SAMPLE // (grid.size**2 * BYTES_PER_PIXEL)
-    executor = max(1, min(gridding.executor, at_once))
-    for which, count, part in executor.map(image, tasks):
-        both[which] += part
-        if step is not None:
-            step(count)

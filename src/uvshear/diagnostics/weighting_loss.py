@@ -1,4 +1,4 @@
-"""What a weighting costs: the signal-to-noise ratio of sources, and what is known of their shapes."""
+"""The cost of a weighting: signal-to-noise ratio of sources, and information on their shapes."""
 
 import math
 from dataclasses import dataclass
@@ -13,19 +13,19 @@ from uvshear.interferometer.baseline_map import BaselineMap
 from uvshear.typing import Array, Float
 
 WORST = 1e8
-"""Condition from which flux, size and ellipticity are one."""
+"""Condition number from which on flux, size and ellipticity cannot be told apart."""
 
 
 @dataclass(frozen=True)
 class WeightingLoss:
-    """What is left of what natural weights have.
+    """What a weighting leaves of the figures of natural weights.
 
     Parameters
     ----------
     snr_point, snr_galaxy
-        Part of the signal-to-noise ratio of a point source and of a galaxy, measured by its own model.
+        Part of the signal-to-noise ratio of a point source, and of a galaxy measured by its own model.
     information
-        Part of 1/variance of e1 and of e2 of the galaxy, its flux and size free.
+        Part of the information, 1/variance, on e1 and on e2 of the galaxy with its flux and size free.
     variance_over_beam
         Variance of its ellipticity over the variance that one would read off the weights as if they were 1/sigma^2.
     """
@@ -39,7 +39,7 @@ class WeightingLoss:
 def weighting_loss(
     cells: BaselineMap, scale_length: float, profile: Profile, ellipticity: complex = 0j
 ) -> WeightingLoss:
-    r"""Loss for a galaxy of a scale length [rad], by the covariance of what is linear in visibilities.
+    r"""Work out the loss for a galaxy of a scale length [rad], by the covariance of estimates linear in visibilities.
 
     With D the derivatives of the model by flux, ellipticity and ln(scale length), natural weights w and factors T,
 
@@ -52,13 +52,14 @@ def weighting_loss(
     Raises
     ------
     InputError
-        Where the weighted baselines do not tell flux, size and ellipticity apart.
+        If the weighted baselines do not tell flux, size and ellipticity apart.
     """
     derivatives = _derivatives(cells, scale_length, profile, ellipticity)
     natural, once, twice = (
-        (derivatives * weight) @ derivatives.T for weight in (cells.weight, cells.once, cells.twice)
+        (derivatives * weight) @ derivatives.T
+        for weight in (cells.weight, cells.weighted_sum, cells.weighted_sum_of_squares)
     )
-    # In units of what each parameter alone is known to, so that the condition has none.
+    # Scaled by the error of each parameter alone, so that the condition number has no units.
     alone = np.sqrt(np.diag(once))
     if not np.all(alone > 0) or np.linalg.cond(once / np.outer(alone, alone)) > WORST:
         raise InputError(
@@ -80,9 +81,10 @@ def weighting_loss(
 
 
 def _snr(cells: BaselineMap, model: Float[Array, " cell"]) -> float:
-    """Part of the signal-to-noise ratio that is left of a model's flux."""
+    """Part of the signal-to-noise ratio of a model's flux that is left."""
     natural, once, twice = (
-        float(np.sum(weight * model**2)) for weight in (cells.weight, cells.once, cells.twice)
+        float(np.sum(weight * model**2))
+        for weight in (cells.weight, cells.weighted_sum, cells.weighted_sum_of_squares)
     )
     return once / math.sqrt(natural * twice)
 
@@ -90,7 +92,7 @@ def _snr(cells: BaselineMap, model: Float[Array, " cell"]) -> float:
 def _derivatives(
     cells: BaselineMap, scale_length: float, profile: Profile, ellipticity: complex
 ) -> Float[Array, "4 cell"]:
-    """Of the model by flux, e1, e2, ln(scale length), for unit flux."""
+    """Differentiate the model by flux, e1, e2, ln(scale length), for unit flux."""
     squares = 4 * math.pi**2 * np.stack([cells.u**2, cells.u * cells.v, cells.v**2])
     q = quadratic_form_of(ellipticity, scale_length) @ squares
     by_form = quadratic_form_derivatives(ellipticity, scale_length) @ squares

@@ -23,18 +23,14 @@ likelihood is a quintic spline, of its integrals over ln alpha and S.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt, map_coordinates, spline_filter
 
-from uvshear.galaxy import (
-    DiscEllipticityPrior,
-    EllipticityPrior,
-    PowerLawFlux,
-    SizeFluxRelation,
-)
-from uvshear.typing import Array, Complex, Float, Int
+from uvshear.estimators.population import UnlensedPopulation
+from uvshear.estimators.shape_likelihood import ShapeLikelihood
+from uvshear.galaxy import EllipticityPrior
+from uvshear.typing import Array, Complex, Float
 
 STEP = 0.1
 """Of the differences in g, over the standard deviation of e; no more than ``WIDEST_STEP``."""
@@ -54,50 +50,6 @@ _FLUXES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 _ORDER = 5
 _MARGIN = 4
 """Nodes around the lattice's own, for the spline."""
-
-
-@dataclass(frozen=True)
-class UnlensedPopulation:
-    """Distributions of what is lensed: flux, scale length at a flux, ellipticity."""
-
-    flux: PowerLawFlux = field(default_factory=PowerLawFlux)
-    size: SizeFluxRelation = field(default_factory=SizeFluxRelation)
-    ellipticity: EllipticityPrior = field(default_factory=DiscEllipticityPrior)
-
-
-@dataclass(frozen=True)
-class ShapeLikelihood:
-    """Likelihood of one galaxy on a lattice over (e, ln alpha).
-
-    Parameters
-    ----------
-    point
-        Integer coordinates of the nodes.
-    origin, axes
-        The nodes are ``origin + axes @ point`` in (e1, e2, ln(alpha/rad)); the last axis is along ln alpha.
-    log_likelihood
-        With the flux integrated over all values, and the position.
-    flux, flux_variance
-        Mean and variance of the flux at each node [Jy].
-    """
-
-    point: Int[Array, "node 3"]
-    origin: Float[Array, " 3"]
-    axes: Float[Array, "3 3"]
-    log_likelihood: Float[Array, " node"]
-    flux: Float[Array, " node"]
-    flux_variance: Float[Array, " node"]
-
-    @property
-    def ellipticity(self) -> Complex[Array, " node"]:
-        """Of the nodes."""
-        first, second = (self.origin[:2] + self.point @ self.axes[:2].T).T
-        return first + 1j * second
-
-    @property
-    def log_scale_length(self) -> Float[Array, " node"]:
-        """Of the nodes."""
-        return self.origin[2] + self.point @ self.axes[2]
 
 
 def evidence_and_gradient(

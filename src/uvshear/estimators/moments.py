@@ -1,15 +1,113 @@
-"""Shear from moments of visibility functions: sum of the moments over the sum of their responses."""
+"""Shear from moments of visibility functions: the sum of the moments over the sum of their responses."""
+
+import math
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
-from uvshear.estimators.ratio import Responses
-from uvshear.typing import Array, Float
+from uvshear.estimators.estimator import Estimator
+from uvshear.estimators.sample import Sample
+from uvshear.estimators.terms import Terms
+from uvshear.shapes.moments import REACH, SCALE, MomentFunctional
+from uvshear.shapes.source_facet import Column, Kept, SourceFacet
+from uvshear.typing import Array, Complex, Float
 
 ELLIPTICITY_SCATTER = 0.3
 """Standard deviation of a noise-free galaxy's M over its R."""
 
 RESPONSE = 1.5
 """R over the flux for a galaxy of an arcsecond, in the units of the moments."""
+
+_LONGEST = 1.5 * REACH * SCALE
+"""Baselines that the weights of moments may reach [wavelengths], whatever the error of the position."""
+
+_Beam = tuple[int, float, tuple[float, ...]]
+"""Size of a facet, its longest baseline and the shape of its beam: sources that share them share their weights."""
+
+
+@dataclass(frozen=True)
+class Moments(Estimator):
+    """Moments of the visibility function about the catalogue's position: linear in the data, so without noise bias.
+
+    They do not depend on a profile or on a prior (``shapes.moments`` has the mathematics).
+
+    Parameters
+    ----------
+    position_sigma
+        Standard error of the catalogue's position in l and in m [rad].
+    """
+
+    position_sigma: float = 0.0
+    _functionals: dict[_Beam, tuple[float, MomentFunctional]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
+
+    name = "moments"
+    columns: ClassVar = {
+        "m1": Column("moment of u^2 - v^2, weight exp(-k^2/2s^2), s = 15000 wavelengths", "Jy"),
+        "m2": Column("moment of 2uv", "Jy"),
+        "m_size": Column("moment of u^2 + v^2", "Jy"),
+        "r11": Column("derivative of m1 by the first component of the shear", "Jy"),
+        "r12": Column("derivative of m1 by the second component, and of m2 by the first", "Jy"),
+        "r22": Column("derivative of m2 by the second component of the shear", "Jy"),
+        "r_third": Column("third order of m1 and m2 in the shear", "Jy"),
+        "m1_var": Column("variance of m1 by noise", "Jy2"),
+        "m2_var": Column("variance of m2 by noise", "Jy2"),
+        "m12_cov": Column("covariance of m1 and m2 by noise", "Jy2"),
+    }
+    shape_columns = ("flux",)
+    is_expanded = True
+
+    def statistic(self, source: SourceFacet) -> Kept:
+        """Measure the moments, with their responses and the covariance of their noise."""
+        # Sources of one size and one beam share its power, all but for long baselines that moments do not take.
+        longest = min(source.cells.longest, _LONGEST)
+        facet = source.facet.within(longest)
+        total, shape = facet.beam_shape()
+        beam = source.cells.size, longest, shape
+        if beam not in self._functionals:
+            width = source.cells.size * source.cells.pixel
+            power = np.asarray(facet.power, float)
+            functional = MomentFunctional(facet.uv, power, width, self.position_sigma)
+            self._functionals[beam] = total, functional
+        first_total, functional = self._functionals[beam]
+        # The weights are those of a facet whose unit of flux may be another.
+        unit = math.sqrt(total / first_total) if first_total > 0 else 1.0
+        moments = functional.measure(facet.correlation / unit**2)
+        covariance = moments.covariance / unit**2
+        return {
+            "m1": float(moments.shape[0]),
+            "m2": float(moments.shape[1]),
+            "m_size": moments.size,
+            "r11": float(moments.response[0, 0]),
+            "r12": float(moments.response[0, 1]),
+            "r22": float(moments.response[1, 1]),
+            "r_third": moments.third,
+            "m1_var": float(covariance[0, 0]),
+            "m2_var": float(covariance[1, 1]),
+            "m12_cov": float(covariance[0, 1]),
+        }
+
+    def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
+        r"""Moments and their responses, weighted by the catalogue's flux.
+
+        The expansion about an estimate of the shear is exact to the fourth order where the estimate is to the second:
+
+        .. math:: \sum M = \sum \big[R + (\mathrm{tr} R/2 - 2 K) |g|^2\big]\, g
+
+        with K the third order of ``shapes.moments``.
+        """
+        value = np.stack([sample["m1"], sample["m2"]], axis=-1)
+        r11, r12, r22 = sample["r11"], sample["r12"], sample["r22"]
+        response = np.stack([r11, r12, r12, r22], axis=-1).reshape(-1, 2, 2)
+        own = np.trace(response, axis1=-2, axis2=-1) / 2
+        more = (own - 2 * sample["r_third"]) * np.abs(about) ** 2
+        response = response + more[:, None, None] * np.eye(2)
+        shear = np.stack([about.real, about.imag], axis=-1)
+        value = value - np.einsum("sij,sj->si", response, shear)
+        noise = (sample["m1_var"] + sample["m2_var"]) / 2
+        return Terms(value, response).weighted(moment_weight(sample["flux"], noise))
 
 
 def moment_weight(
@@ -19,21 +117,7 @@ def moment_weight(
 
     .. math:: w = \frac{R}{\sigma_e^2 R^2 + \sigma_M^2},\quad R = 1.5 S
 
-    A function of what neither the shear nor the noise of the moments changes: a fitted flux would not do.
+    It is a function of what neither the shear nor the noise of the moments changes: a fitted flux would not do.
     """
     response = RESPONSE * flux
     return response / (ELLIPTICITY_SCATTER**2 * response**2 + variance)
-
-
-def about_shear(moments: Responses, third: Float[Array, " source"], about: complex) -> Responses:
-    r"""Expand moments about an estimate of the shear: exact to the fourth order where that is to the second.
-
-    .. math:: \sum M = \sum \big[R + (\mathrm{tr} R/2 - 2 K) |g|^2\big]\, g
-
-    (``fit.moments``); ``third`` is K [Jy]. Without an estimate it is the plain ratio.
-    """
-    own = np.trace(moments.response, axis1=-2, axis2=-1) / 2
-    more = (own - 2 * third) * abs(about) ** 2
-    response = moments.response + more[:, None, None] * np.eye(2)
-    value = moments.value - response @ np.array([about.real, about.imag])
-    return Responses(value, response, about)

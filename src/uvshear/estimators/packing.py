@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from uvshear.estimators.evidence import ShapeLikelihood
+from uvshear.estimators.shape_likelihood import ShapeLikelihood
 from uvshear.typing import Array, Float, Int
 
 _UNIT = 1e-3

@@ -16,11 +16,14 @@ theta.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
 from uvshear.errors import InputError
-from uvshear.estimators.evidence import ShapeLikelihood, UnlensedPopulation, evidence_and_gradient
+from uvshear.estimators.evidence import evidence_and_gradient
+from uvshear.estimators.population import PopulationRecord, UnlensedPopulation
+from uvshear.estimators.shape_likelihood import ShapeLikelihood
 from uvshear.galaxy import DiscEllipticityPrior
 from uvshear.progress import Meter
 from uvshear.typing import Array, Float
@@ -41,12 +44,31 @@ _TOLERANCE = 0.1
 """Step over its error at which the climb ends."""
 
 
+LensedLikelihood: TypeAlias = tuple[ShapeLikelihood, complex]
+"""Likelihood of a galaxy's shape, and the shear that the galaxy is behind, both in the frame of (l, m)."""
+
+
 @dataclass(frozen=True)
 class FittedPopulation:
     """A population, and the covariance of what was fitted of it, in the order of ``moved``'s parameters."""
 
     population: UnlensedPopulation
     covariance: Float[Array, "parameter parameter"]
+
+    def record(self) -> PopulationRecord:
+        """Return the parameters for a file, with the standard errors of those that were fitted."""
+        record = self.population.record()
+        errors = [math.sqrt(value) for value in self.covariance.diagonal()]
+        places = [
+            ("size", "intercept"),
+            ("size", "sigma"),
+            ("ellipticity", "c"),
+            ("ellipticity", "e0"),
+        ]
+        for k, (error, (part, name)) in enumerate(zip(errors, places, strict=False)):
+            # All parameters but the first, the intercept, were fitted as logarithms.
+            record[part][f"{name}_err"] = error * (1.0 if k == 0 else record[part][name])
+        return record
 
 
 def moved(population: UnlensedPopulation, step: Float[Array, " parameter"]) -> UnlensedPopulation:
@@ -67,25 +89,24 @@ def moved(population: UnlensedPopulation, step: Float[Array, " parameter"]) -> U
 
 
 def fit_population(
-    likelihoods: Sequence[ShapeLikelihood],
+    galaxies: Sequence[LensedLikelihood],
     start: UnlensedPopulation,
-    about: complex,
     meter: Meter | None = None,
 ) -> FittedPopulation:
-    """Fit size and ellipticity of the population to galaxies behind the shear ``about``.
+    """Fit size and ellipticity of the population to galaxies, each with the shear that it is behind.
 
     An ellipticity prior of another kind than ``DiscEllipticityPrior`` stays as it is. The meter counts galaxies.
     """
     count = 4 if isinstance(start.ellipticity, DiscEllipticityPrior) else 2
-    if len(likelihoods) < 10 * count:
+    if len(galaxies) < 10 * count:
         raise InputError(
-            f"{len(likelihoods)} galaxies: a population is fitted to {10 * count} or more"
+            f"{len(galaxies)} galaxies: a population is fitted to {10 * count} or more"
         )
     meter = meter or Meter(None)
-    meter.expect(_FORESEEN * len(likelihoods))
+    meter.expect(_FORESEEN * len(galaxies))
     theta = np.zeros(count)
     for _ in range(_ROUNDS):
-        scores = _scores(likelihoods, moved(start, theta), about, count, meter)
+        scores = _scores(galaxies, moved(start, theta), count, meter)
         covariance = np.linalg.inv(scores.T @ scores + np.eye(count) / LIKENESS**2)
         step = covariance @ (scores.sum(axis=0) - theta / LIKENESS**2)
         is_there = bool(np.all(np.abs(step) < _TOLERANCE * np.sqrt(np.diag(covariance))))
@@ -98,9 +119,8 @@ def fit_population(
 
 
 def _scores(
-    likelihoods: Sequence[ShapeLikelihood],
+    galaxies: Sequence[LensedLikelihood],
     population: UnlensedPopulation,
-    about: complex,
     count: int,
     meter: Meter,
 ) -> Float[Array, "galaxy parameter"]:
@@ -111,8 +131,8 @@ def _scores(
         (moved(population, step).ellipticity, moved(population, -step).ellipticity)
         for step in steps
     ]
-    scores = np.empty((len(likelihoods), count))
-    for score, one in zip(scores, likelihoods, strict=True):
-        _, score[:] = evidence_and_gradient(one, population, about, sides, 2 * DIFFERENCE)
+    scores = np.empty((len(galaxies), count))
+    for score, (likelihood, shear) in zip(scores, galaxies, strict=True):
+        _, score[:] = evidence_and_gradient(likelihood, population, shear, sides, 2 * DIFFERENCE)
         meter.add()
     return scores

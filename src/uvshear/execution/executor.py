@@ -22,6 +22,10 @@ class Executor(ABC):
         """Number of tasks that run side by side."""
 
     @abstractmethod
+    def at_most(self, workers: int) -> "Executor":
+        """Return an executor of this kind with no more workers than this, for tasks that need much memory each."""
+
+    @abstractmethod
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield ``function(task)`` of every task; all of them see the memory of this process.
 

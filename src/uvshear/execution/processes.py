@@ -28,6 +28,10 @@ class Processes(Executor):
         """Number of processes."""
         return self.count
 
+    def at_most(self, workers: int) -> "Processes":
+        """Return an executor of fewer processes if there are more than this, of one at least."""
+        return Processes(max(1, min(self.count, workers)))
+
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield the results, from threads of this process."""
         return Threads(self.count).map(function, tasks)
@@ -56,5 +60,5 @@ def _begin(function: Callable[[Any, Any], Any], shared: object) -> None:
     _job[:] = [partial(function, shared)]
 
 
-def _work(task: object) -> object:
+def _work(task: Any) -> Any:
     return _job[0](task)

@@ -15,6 +15,10 @@ class Serial(Executor):
         """One."""
         return 1
 
+    def at_most(self, workers: int) -> "Serial":
+        """Return the same executor: there is no smaller one."""
+        return self
+
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield the results one by one, each worked out when it is asked for."""
         return map(function, tasks)

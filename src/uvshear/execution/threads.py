@@ -26,6 +26,10 @@ class Threads(Executor):
         """Number of threads."""
         return self.count
 
+    def at_most(self, workers: int) -> "Threads":
+        """Return an executor of fewer threads if there are more than this, of one at least."""
+        return Threads(max(1, min(self.count, workers)))
+
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield the results; at most one task more than there are threads is begun ahead."""
         waiting = iter(tasks)

@@ -4,12 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uvshear.extraction.paper.facets import Target
 from uvshear.galaxy import EllipticityPrior, Galaxies, SizePrior
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.summary import Extent
+from uvshear.interferometer.summary import ObservationSummary
 from uvshear.interferometer.uv_range import UvRange
-from uvshear.shapes.measurement import FitFlag, GalaxyFit
+from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Float, Int, Shaped
 
@@ -23,23 +22,23 @@ class Field:
     Parameters
     ----------
     l, m
-        Positions of the catalogue; facets are centred on them.
+        Direction cosines of the catalogue's positions, on which facets are centred.
     sky
-        What the sources look like before anything is fitted.
+        The sources as they are taken before anything is fitted.
     size
         Prior of each source's scale length.
     modelled
         Sources that are subtracted, as indices of the catalogue.
     flags
-        A :class:`FitFlag` a source.
+        A :class:`FitFlag` for each source.
     uv_range
-        Baselines that take part, the longest finite.
-    extent
-        What the observation holds.
+        Baselines that take part; the longest is finite.
+    summary
+        Summary of the observation.
     flux_err, position_err
         Errors of the catalogue's fluxes [Jy] and positions along each axis [rad], 0 where they are not known.
-    trust
-        What a source's shape is known to, over what the weights say: 1 of natural weights, whose errors the beam tells.
+    weight_correction
+        Information on the shape of each source over what the weights say; 1 for natural weights, which are 1/sigma^2.
     """
 
     l: Float[Array, " source"]
@@ -49,10 +48,10 @@ class Field:
     modelled: Int[Array, " member"]
     flags: Shaped[Array, " source"]
     uv_range: UvRange
-    extent: Extent
+    summary: ObservationSummary
     flux_err: Float[Array, " source"]
     position_err: Float[Array, " source"]
-    trust: Float[Array, " source"]
+    weight_correction: Float[Array, " source"]
 
     @property
     def measured(self) -> Int[Array, " member"]:
@@ -60,24 +59,14 @@ class Field:
         return np.flatnonzero(self.flags == FitFlag.OK)
 
     def name(self, source: int, centre: PhaseCentre) -> tuple[int, ...]:
-        """Numbers that tell a source from all others, of other fields too: directions in nanoradians."""
+        """Return numbers that tell a source from all others, those of other fields too: directions in nanoradians."""
         angles = centre.ra, centre.dec, float(self.l[source]), float(self.m[source])
         return tuple(round(angle / _NANORADIAN) % 2**32 for angle in angles)
-
-    def target(self, source: int, fit: GalaxyFit | None = None) -> Target:
-        """Tell what to cut out of the visibilities for a source; ``fit`` is what is known of it."""
-        return Target(
-            galaxy=self.sky.select(np.array([source])),
-            scale_length=float(np.exp(self.size.log_median[source])),
-            uv_range=self.uv_range,
-            frequency=self.extent.frequency,
-            half_width=fit.half_width if fit else 0.0,
-        )
 
     def prior(
         self, source: int, position_radius: float | None, ellipticity: EllipticityPrior
     ) -> ShapePrior:
-        """Prior of a source; that of its size is the field's."""
+        """Return the prior of a source, with the field's prior of its size."""
         return ShapePrior(
             log_scale_length=float(self.size.log_median[source]),
             log_scale_length_sigma=float(self.size.sigma[source]),

@@ -1,4 +1,4 @@
-"""Which sources may be fitted side by side."""
+"""The order in which sources are fitted, and those that may be fitted side by side."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -12,8 +12,8 @@ def fitting_levels(
     """Sort sources by level: each comes after all brighter ones within ``separation`` [rad] of it.
 
     Within a level no two are closer than that. Decreasing flux matters between neighbours only, so this
-    gives what one long sequence in decreasing flux would give, in as many visits of the visibilities as the
-    longest chain of neighbours has members.
+    gives what one long sequence in decreasing flux would give, in as many steps as the longest chain of neighbours
+    has members.
     """
     if len(lm) == 0:
         return ()

@@ -16,22 +16,22 @@ from uvshear.interferometer.weighting import TukeyTaper, WeightedObservation, we
 from uvshear.typing import Array, Float
 
 SIZES = 9
-"""Scale lengths at which the loss is worked out, evenly in the logarithm over those of a field."""
+"""Number of scale lengths at which the loss is worked out, evenly in the logarithm over those of a field."""
 
 
 def weigh(
     observation: Observation, field: Field, options: MeasurementOptions
 ) -> tuple[WeightedObservation, Float[Array, " source"]]:
-    """Apply the weightings that are asked for to the baselines of the uv range; and tell how far to trust them.
+    """Apply the weightings of the options to the baselines of the uv range; return the correction of each source, too.
 
-    Fits take weights for 1/sigma^2. So they are scaled by what makes this true of the ellipticity of a galaxy of the
-    median size, and what is left of it for other sizes is the ``trust`` of each source. Errors of fluxes have it not:
-    with SKA-Mid AA2 and discs of 1 arcsec they are a third too large (Briggs or uniform weights), or a tenth to a fifth
-    too small (Gaussian tapers of 1.5 and 4 arcsec).
+    Fits take weights for 1/sigma^2. So the weights are scaled by the factor that makes this true of the ellipticity of
+    a galaxy of the median size, and the rest, for other sizes, is the ``weight_correction`` of each source. It does
+    not apply to the errors of fluxes: with SKA-Mid AA2 and discs of 1 arcsec they are a third too large (Briggs or
+    uniform weights), or a tenth to a fifth too small (Gaussian tapers of 1.5 and 4 arcsec).
     """
     cut = TukeyTaper(options.method.uv_range.minimum, options.method.uv_range.maximum)
     seen = weighted(observation, (cut, *options.method.weightings))
-    cells = BaselineMap.of(seen.with_factors())
+    cells = seen.map_baselines()
     log_size = field.size.log_median
     measured = log_size[field.measured]
     middle = float(np.median(measured))
@@ -40,8 +40,8 @@ def weigh(
     scales = np.array(
         [_log_scale_or(cells, node, options.model.profile, typical) for node in nodes]
     )
-    trust = np.exp(np.interp(log_size, nodes, scales) - typical)
-    return replace(seen, scale=math.exp(typical)), trust
+    correction = np.exp(np.interp(log_size, nodes, scales) - typical)
+    return replace(seen, scale=math.exp(typical)), correction
 
 
 def _log_scale(cells: BaselineMap, log_size: float, profile: Profile) -> float:
@@ -49,7 +49,7 @@ def _log_scale(cells: BaselineMap, log_size: float, profile: Profile) -> float:
 
 
 def _log_scale_or(cells: BaselineMap, log_size: float, profile: Profile, other: float) -> float:
-    """Give ``other`` for a size whose shape these baselines do not tell: fits will say so."""
+    """Return ``other`` for a size whose shape these baselines do not tell: fits will say so."""
     try:
         return _log_scale(cells, log_size, profile)
     except InputError:

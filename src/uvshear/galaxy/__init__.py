@@ -1,8 +1,9 @@
 """Galaxies: their parameters, their brightness profiles, and the priors of these.
 
 ``Galaxies`` is the container that the rest of the package passes on. A profile is a subclass of ``Profile`` that
-defines ``envelope``, as in ``exponential``; a prior of the ellipticity is a subclass of ``EllipticityPrior`` that
-defines ``relative_density``. ``flux`` and ``size`` hold the distributions of Rivi & Miller 2018, section 3.
+defines ``envelope``, as in ``exponential``, and ``registry`` finds it by name; a prior of the ellipticity is a subclass
+of ``EllipticityPrior`` that defines ``relative_density``. ``flux`` and ``size`` hold the distributions of Rivi & Miller
+2018, section 3.
 """
 
 from uvshear.galaxy.ellipticity_prior import (
@@ -15,10 +16,12 @@ from uvshear.galaxy.flux import PowerLawFlux
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.gaussian import Gaussian
 from uvshear.galaxy.profile import Profile
+from uvshear.galaxy.registry import PROFILES, profile_named
 from uvshear.galaxy.sersic import DiscBulge, Sersic
 from uvshear.galaxy.size import CatalogueSize, SizeFluxRelation, SizeModel, SizePrior
 
 __all__ = [
+    "PROFILES",
     "CatalogueSize",
     "DiscBulge",
     "DiscEllipticityPrior",
@@ -33,4 +36,5 @@ __all__ = [
     "SizeFluxRelation",
     "SizeModel",
     "SizePrior",
+    "profile_named",
 ]

@@ -11,6 +11,7 @@ from uvshear.geometry.directions import (
     equatorial,
     local_north,
     n_minus_one,
+    separation,
 )
 from uvshear.geometry.ellipticity import (
     add_shear,
@@ -21,6 +22,7 @@ from uvshear.geometry.ellipticity import (
     quadratic_form_of,
     rotate,
     sheared_scale_length,
+    to_field_frame,
     to_local_north,
 )
 
@@ -37,6 +39,8 @@ __all__ = [
     "quadratic_form_derivatives",
     "quadratic_form_of",
     "rotate",
+    "separation",
     "sheared_scale_length",
+    "to_field_frame",
     "to_local_north",
 ]

@@ -113,6 +113,12 @@ def local_north(
     return np.arctan2(-l * t, cos0 - m * t)
 
 
+def separation(first: PhaseCentre, second: PhaseCentre) -> float:
+    """Angle between two directions that are close to each other [rad]."""
+    turn = math.remainder(second.ra - first.ra, 2 * math.pi) * math.cos(first.dec)
+    return math.hypot(turn, second.dec - first.dec)
+
+
 def _one_turn(angle: Float[Array, " source"]) -> Float[Array, " source"]:
     wrapped = np.mod(angle, 2 * np.pi)
     return np.where(wrapped == 2 * np.pi, 0.0, wrapped)  # mod of -1e-17 rounds up to a whole turn

@@ -175,5 +175,25 @@ def lensing_components(
     return e_local.real, -e_local.imag
 
 
+def to_field_frame(
+    g: Complex[Array, "..."], psi: float | Float[Array, "..."]
+) -> Complex[Array, "..."]:
+    r"""Ellipticity or shear in the (l, m) frame of a field, from one in the frame of lensing catalogues.
+
+    .. math:: e = g^*\,e^{-2 i \psi}
+
+    This is the inverse of :func:`to_local_north` followed by :func:`lensing_components`: g1 + i g2 refers to local
+    North, as TreeCorr takes positions in RA and Dec, and e1 + i e2 to the axes l and m of the phase centre.
+
+    Parameters
+    ----------
+    g
+        g1 + i g2 in the sky frame.
+    psi
+        Angle of local North, from :func:`uvshear.geometry.directions.local_north` [rad].
+    """
+    return np.conj(g) * np.exp(-2j * psi)
+
+
 def _square(e: Complex[Array, "..."]) -> Float[Array, "..."]:
     return e.real**2 + e.imag**2

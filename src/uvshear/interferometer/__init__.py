@@ -6,19 +6,23 @@ passes round.
 """
 
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import ArrayLayout, known_layouts, load_layout
 from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.spectral_window import Channels
+from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation, Visibilities, VisibilitySet
 
 __all__ = [
     "ArrayLayout",
+    "Attenuation",
     "Channels",
     "Observation",
     "ObservingPlan",
     "PhaseCentre",
     "Track",
+    "UvRange",
     "Visibilities",
     "VisibilitySet",
     "known_layouts",

@@ -1,16 +1,16 @@
 """One pass over the visibilities of an observation, for everything that is to be learnt from it."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Generic, Self, TypeVar
 
 from uvshear.execution import SERIAL, Executor
 from uvshear.interferometer.visibilities import Observation, Visibilities
 
-Result = TypeVar("Result", covariant=True)
+Result_co = TypeVar("Result_co", covariant=True)
 
 
-class Accumulator(ABC, Generic[Result]):
+class Accumulator(ABC, Generic[Result_co]):
     """Gathers something from visibilities, chunk by chunk.
 
     A pass may be divided: each part has an accumulator of its own, and these are merged in the order of the
@@ -26,8 +26,13 @@ class Accumulator(ABC, Generic[Result]):
         """Take in what another accumulator of this kind has gathered from later visibilities."""
 
     @abstractmethod
-    def result(self) -> Result:
+    def result(self) -> Result_co:
         """Return what was gathered."""
+
+    @property
+    def is_satisfied(self) -> bool:
+        """Whether further visibilities would change nothing; a pass ends when all of its accumulators are."""
+        return False
 
 
 def accumulate(
@@ -36,11 +41,22 @@ def accumulate(
     executor: Executor = SERIAL,
 ) -> tuple[Any, ...]:
     """Read the observation once, show every chunk to all accumulators side by side, and return their results."""
-    for seen in observation.chunks():
+    show(observation.chunks(), accumulators, executor)
+    return tuple(accumulator.result() for accumulator in accumulators)
+
+
+def show(
+    chunks: Iterable[Visibilities],
+    accumulators: Sequence[Accumulator[Any]],
+    executor: Executor = SERIAL,
+) -> None:
+    """Show chunks to all accumulators side by side, and leave the results for later."""
+    for seen in chunks:
 
         def add(accumulator: Accumulator[Any], seen: Visibilities = seen) -> None:
             accumulator.add(seen)
 
         for _ in executor.map(add, accumulators):
             pass
-    return tuple(accumulator.result() for accumulator in accumulators)
+        if accumulators and all(accumulator.is_satisfied for accumulator in accumulators):
+            break

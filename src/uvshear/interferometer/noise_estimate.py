@@ -1,55 +1,91 @@
-"""How large the noise of visibilities is, by the visibilities themselves, against what their weights say."""
+"""The noise of visibilities, estimated from the visibilities themselves, and compared with their weights."""
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.accumulate import Accumulator, accumulate
+from uvshear.interferometer.origin import Origin, origin_of, parts_of
 from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.typing import Array, Float
 
 MOST_PAIRS = 2**20
-"""Differences that are looked at: the ratio is then known to 0.1 per cent."""
+"""Number of differences after which no more are gathered: the ratio is then known to 0.1 per cent."""
 
 FEWEST_PAIRS = 100
-_FAIR = 0.1
-"""Of the pairs of one kind there must be so many of the other, for them to be compared."""
+"""Number of differences below which no ratio is given."""
+
+_COMPARABLE = 0.1
+"""Differences between channels and differences between integrations are compared where the less numerous kind has at
+least this fraction of the other's number."""
+
+Differences = tuple[Float[Array, " channel_pair"], Float[Array, " integration_pair"]]
+"""Squared differences over their expected variance, between channels and between integrations."""
 
 
-def noise_over_weights(observation: Observation) -> float | None:
-    r"""Estimate the noise's standard deviation over that of the weights, from neighbours' differences.
+class NoiseRatioAccumulator(Accumulator[float | None]):
+    r"""Estimates the standard deviation of the noise over the one that the weights claim.
 
     Neighbours are channels of a row, or integrations of a baseline, whichever differ less: a bright sky, and one far
-    out, differs between them too. With D the difference of two samples, of weights w,
+    from the phase centre, also differs between neighbours. With D the difference of two samples of weights w,
 
     .. math:: \frac{\sigma^2}{\sigma_w^2} = \frac{\mathrm{med}\,\{|D|^2 / (1/w_1 + 1/w_2)\}}{2 \ln 2}
 
-    None where fewer than a hundred pairs have weight, or nobody knows which rows belong together. Of a large set the
-    first million pairs are looked at. Channels that were
-    smoothed (Hanning) share noise, and seem quieter than they are.
+    The result is None where fewer than a hundred pairs have weight, or where nobody knows which rows belong together.
+    In a large set the first million pairs are used. Channels that were smoothed (Hanning) share noise, and seem
+    quieter than they are.
     """
-    found: tuple[list[Array], list[Array]] = ([], [])
-    counts = [0, 0]
-    for chunk in observation.chunks():
-        for way, differences in enumerate((_of_channels(chunk), _of_integrations(chunk))):
-            found[way].append(differences)
-            counts[way] += len(differences)
-        if max(counts) >= MOST_PAIRS:
-            break
-    medians = [
-        float(np.median(np.concatenate(parts)))
-        for parts, count in zip(found, counts, strict=True)
-        if count >= max(FEWEST_PAIRS, _FAIR * max(counts))
-    ]
-    return math.sqrt(min(medians) / (2 * math.log(2))) if medians else None
+
+    def __init__(self) -> None:
+        self._chunks: list[Differences] = []
+        self._pairs = (0, 0)
+
+    @property
+    def is_satisfied(self) -> bool:
+        """Whether there are enough pairs of one kind."""
+        return max(self._pairs) >= MOST_PAIRS
+
+    def add(self, seen: Visibilities) -> None:
+        """Take the differences of the next chunk, unless there are enough."""
+        if not self.is_satisfied:
+            self._take((_between_channels(seen), _between_integrations(seen)))
+
+    def merge(self, later: Self) -> None:
+        """Take the differences of later chunks until there are enough."""
+        for differences in later._chunks:
+            if not self.is_satisfied:
+                self._take(differences)
+
+    def result(self) -> float | None:
+        """Return the ratio."""
+        medians = [
+            float(np.median(np.concatenate(parts)))
+            for parts, count in zip(zip(*self._chunks, strict=True), self._pairs, strict=False)
+            if count >= max(FEWEST_PAIRS, _COMPARABLE * max(self._pairs))
+        ]
+        return math.sqrt(min(medians) / (2 * math.log(2))) if medians else None
+
+    def _take(self, differences: Differences) -> None:
+        self._chunks.append(differences)
+        of_channels, of_integrations = self._pairs
+        self._pairs = of_channels + len(differences[0]), of_integrations + len(differences[1])
+
+
+def noise_over_weights(observation: Observation) -> float | None:
+    """Estimate the noise's standard deviation over the one that the weights claim (:class:`NoiseRatioAccumulator`)."""
+    ratio: float | None
+    (ratio,) = accumulate(observation, [NoiseRatioAccumulator()])
+    return ratio
 
 
 @dataclass(frozen=True)
 class ScaledObservation:
-    """An observation with weights of another noise."""
+    """An observation whose weights are divided by the square of a noise ratio."""
 
     observation: Observation
     noise: float
@@ -59,6 +95,18 @@ class ScaledObservation:
         """Direction of l = m = 0."""
         return self.observation.phase_centre
 
+    @property
+    def parts(self) -> tuple["ScaledObservation", ...]:
+        """Parts of the observation, each scaled."""
+        inner = parts_of(self.observation)
+        return (
+            tuple(replace(self, observation=part) for part in inner) if len(inner) > 1 else (self,)
+        )
+
+    def origin(self) -> Origin:
+        """Return the origin of the observation that is scaled."""
+        return replace(origin_of(self.observation), weights_tell_noise=False)
+
     def chunks(self) -> Iterator[Visibilities]:
         """Read everything once."""
         for chunk in self.observation.chunks():
@@ -67,30 +115,30 @@ class ScaledObservation:
 
 
 def scaled_to_its_noise(observation: Observation) -> ScaledObservation:
-    """Return an observation whose weights say how large its noise is, which is read for it."""
+    """Read the start of an observation, and scale its weights to the noise that is found there."""
     ratio = noise_over_weights(observation)
     if not ratio:
         raise InputError(
-            "--noise data: neighbouring samples do not tell the noise (too few of them, or none at all);"
-            " --noise weights is needed"
+            f"{origin_of(observation).name}: --noise data: neighbouring samples do not tell the noise"
+            " (too few of them, or no noise at all); --noise weights is needed"
         )
     return ScaledObservation(observation, ratio)
 
 
-def _of_channels(seen: Visibilities) -> Float[Array, " pair"]:
+def _between_channels(seen: Visibilities) -> Float[Array, " pair"]:
     return _differences(
         (seen.stokes_i[:, :-1], seen.weights[:, :-1]), (seen.stokes_i[:, 1:], seen.weights[:, 1:])
     )
 
 
-def _of_integrations(seen: Visibilities) -> Float[Array, " pair"]:
+def _between_integrations(seen: Visibilities) -> Float[Array, " pair"]:
     taken = seen.integrations
     if taken is None:
         return np.zeros(0)
     order = np.lexsort((taken.time, taken.antennas[:, 1], taken.antennas[:, 0]))
     first, second = order[:-1], order[1:]
     is_pair = (taken.antennas[first] == taken.antennas[second]).all(axis=1)
-    # Further apart, across a gap or after a calibrator, the sky has turned.
+    # Across a gap, for example a visit to a calibrator, the sky has turned.
     apart = taken.time[second] - taken.time[first]
     if is_pair.any():
         is_pair &= apart < 1.5 * np.median(apart[is_pair])
@@ -101,9 +149,9 @@ def _of_integrations(seen: Visibilities) -> Float[Array, " pair"]:
 
 
 def _differences(
-    one: tuple[Array, Float[Array, "row chan"]], other: tuple[Array, Float[Array, "row chan"]]
+    first: tuple[Array, Float[Array, "row chan"]], second: tuple[Array, Float[Array, "row chan"]]
 ) -> Float[Array, " pair"]:
-    (vis, weight), (other_vis, other_weight) = one, other
-    both = (weight > 0) & (other_weight > 0)
-    variance = 1 / weight[both].astype(float) + 1 / other_weight[both]
-    return np.abs(vis[both] - other_vis[both]) ** 2 / variance
+    (first_vis, first_weight), (second_vis, second_weight) = first, second
+    both = (first_weight > 0) & (second_weight > 0)
+    variance = 1 / first_weight[both].astype(float) + 1 / second_weight[both]
+    return np.abs(first_vis[both] - second_vis[both]) ** 2 / variance

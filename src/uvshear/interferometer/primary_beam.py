@@ -1,11 +1,12 @@
-r"""Primary beams: how much less a dish sees of a source away from where it points.
+r"""Primary beams: how the response of a dish falls away from where it points.
 
-A visibility has the product of the two antennas' voltage beams in it, which for equal dishes is the power beam.
+A visibility contains the product of the voltage beams of its two antennas, which for equal dishes is the power beam.
 """
 
 import math
 from abc import abstractmethod
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy.special import j1
@@ -21,7 +22,8 @@ MEERKAT_WIDTH = math.radians(57.5 / 60) * 1.5e9
 """Full width at half maximum of a MeerKAT dish's power beam, times the frequency [rad Hz]."""
 
 _UNIFORM_WIDTH = 1.028993969962188
-"""The same of a uniformly lit disc, over wavelength/diameter: (2 J1(x)/x)^2 is a half at x = 1.616."""
+"""Full width at half maximum of the power beam of a uniformly lit disc, over wavelength/diameter: (2 J1(x)/x)^2 is 1/2
+at x = 1.616."""
 
 _COSINE_WIDTH = 1.18896
 """Argument of the cosine taper's beam, in full widths at half maximum."""
@@ -29,14 +31,16 @@ _COSINE_WIDTH = 1.18896
 
 @dataclass(frozen=True)
 class PrimaryBeam(Attenuation):
-    """Beams of dishes that all point the same way; one width an antenna.
+    """Beams of dishes that all point in the same direction, with one width for each antenna.
 
     Parameters
     ----------
     width
-        Full width at half maximum of each antenna's power beam, times the frequency [rad Hz]; one of dishes all alike.
+        Full width at half maximum of each antenna's power beam, times the frequency [rad Hz]; a single number where
+        all dishes are alike.
     pointing
-        Direction cosines l, m of the axis: elsewhere than at the phase centre where visibilities were rephased.
+        Direction cosines (l, m) of the dishes' axis: elsewhere than (0, 0) where the phase centre was changed after
+        the observation.
     """
 
     width: Float[Array, " antenna"]
@@ -46,33 +50,35 @@ class PrimaryBeam(Attenuation):
     def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
         """Voltage beam at a distance from the axis, in full widths at half maximum of the power beam."""
 
-    def of(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
+    def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
         """Product of both antennas' voltage beams."""
         l0, m0 = self.pointing
         n, n0 = n_minus_one(np.array([l, l0]), np.array([m, m0])).tolist()
         distance = 2 * math.asin(min(math.dist((l, m, n), (l0, m0, n0)) / 2, 1.0))
-        place = distance * samples.frequency
+        scaled = distance * samples.frequency
         first, second = samples.antennas.T
         kinds = np.unique(self.width)
         if len(kinds) == 1:
-            return self.voltage(place / kinds[0]) ** 2
+            return self.voltage(scaled / kinds[0]) ** 2
         if len(samples) and not 0 <= samples.antennas.min() <= samples.antennas.max() < len(
             self.width
         ):
             raise InputError(
-                f"dishes differ, and the samples are not all of antennas 0 to {len(self.width) - 1}"
+                f"the dishes differ, and not all samples are of antennas 0 to {len(self.width) - 1}"
             )
-        return self.voltage(place / self.width[first]) * self.voltage(place / self.width[second])
+        return self.voltage(scaled / self.width[first]) * self.voltage(scaled / self.width[second])
 
 
 @dataclass(frozen=True)
 class AiryBeam(PrimaryBeam):
-    """Of uniformly lit discs."""
+    """Beam of uniformly lit discs."""
 
     @classmethod
-    def of_diameters(cls, diameter: Float[Array, " antenna"]) -> "AiryBeam":
-        """Dishes of these diameters [m]."""
-        return cls(_UNIFORM_WIDTH * SPEED_OF_LIGHT / diameter)
+    def from_diameters(
+        cls, diameters: Float[Array, " antenna"], pointing: tuple[float, float] = (0.0, 0.0)
+    ) -> Self:
+        """Return the beam of dishes of these diameters [m], all of which must be known (positive)."""
+        return cls(_width_of_disc(diameters), pointing)
 
     def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
         """2 J1(y)/y, y = pi D/lambda times the distance."""
@@ -82,7 +88,14 @@ class AiryBeam(PrimaryBeam):
 
 @dataclass(frozen=True)
 class CosineCubedBeam(PrimaryBeam):
-    """Power beam cos^3, zero from its first zero on; a customary fit to the main lobe of lit-down dishes."""
+    """Power beam cos^3, zero beyond its first zero: a customary fit to the main lobe of tapered dishes."""
+
+    @classmethod
+    def from_diameters(
+        cls, diameters: Float[Array, " antenna"], pointing: tuple[float, float] = (0.0, 0.0)
+    ) -> Self:
+        """Return the beam as wide as that of uniformly lit discs of these diameters [m], all of them known."""
+        return cls(_width_of_disc(diameters), pointing)
 
     def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
         """cos^(3/2), 1/sqrt 2 at half the width."""
@@ -92,12 +105,12 @@ class CosineCubedBeam(PrimaryBeam):
 
 @dataclass(frozen=True)
 class CosineTaperBeam(PrimaryBeam):
-    """Of dishes lit by a cosine-squared taper: MeerKAT's, in Stokes I (Mauch et al. 2020, ApJ 888, 61)."""
+    """Beam of dishes with a cosine-squared taper: MeerKAT's in Stokes I (Mauch et al. 2020, ApJ 888, 61)."""
 
     @classmethod
-    def of_meerkat(cls) -> "CosineTaperBeam":
-        """Its dishes are all alike: 57.5 arcmin at 1.5 GHz."""
-        return cls(np.array([MEERKAT_WIDTH]))
+    def meerkat(cls, pointing: tuple[float, float] = (0.0, 0.0)) -> Self:
+        """Return the beam of MeerKAT's dishes, which are all alike: 57.5 arcmin at 1.5 GHz."""
+        return cls(np.array([MEERKAT_WIDTH]), pointing)
 
     def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
         """cos(1.189 pi x)/(1 - 4 (1.189 x)^2)."""
@@ -105,3 +118,13 @@ class CosineTaperBeam(PrimaryBeam):
         near = np.abs(np.abs(y) - 0.5) < 1e-6
         safe = np.where(near, 0.0, y)
         return np.where(near, math.pi / 4, np.cos(math.pi * safe) / (1 - 4 * safe**2))
+
+
+def _width_of_disc(diameters: Float[Array, " antenna"]) -> Float[Array, " antenna"]:
+    unknown = ~(np.asarray(diameters) > 0)
+    if np.any(unknown):
+        raise InputError(
+            f"the diameter of the dish of antenna {int(np.argmax(unknown))} is not given, and the primary beam"
+            " depends on it; the beam 'meerkat' depends on no diameter"
+        )
+    return _UNIFORM_WIDTH * SPEED_OF_LIGHT / diameters

@@ -1,4 +1,4 @@
-"""Visibilities without rows and channels: one line a sample, in wavelengths."""
+"""Visibilities without rows and channels: one element a sample, baselines in wavelengths."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -19,15 +19,15 @@ class Samples:
     uvw
         Baselines [wavelengths].
     stokes_i
-        [Jy].
+        Visibilities [Jy].
     weights
         1/sigma^2 [Jy^-2].
     frequency
-        [Hz].
+        Frequency of each sample [Hz].
     bandwidth
-        That was averaged over [Hz].
+        Band that the sample was averaged over [Hz]; 0 where nothing was averaged.
     interval
-        That was averaged over [s].
+        Time that the sample was averaged over [s]; 0 where nothing was averaged.
     antennas
         Numbers of ANTENNA1 and ANTENNA2; -1 where they are not known.
     """
@@ -44,13 +44,19 @@ class Samples:
         return len(self.uvw)
 
     @classmethod
-    def of(cls, visibilities: Visibilities, shortest: float, longest: float) -> Self:
+    def from_visibilities(cls, visibilities: Visibilities, shortest: float, longest: float) -> Self:
         """Take the samples with weight whose uv distance [wavelengths] is in [shortest, longest)."""
         distance = visibilities.uv_distance
-        kept = (visibilities.weights > 0) & (distance >= shortest) & (distance < longest)
-        row, chan = np.nonzero(kept)
+        taken = (visibilities.weights > 0) & (distance >= shortest) & (distance < longest)
+        return cls.at(visibilities, *np.nonzero(taken))
+
+    @classmethod
+    def at(
+        cls, visibilities: Visibilities, row: Int[Array, " sample"], chan: Int[Array, " sample"]
+    ) -> Self:
+        """Take the samples at these rows and channels."""
         frequency = visibilities.frequency[chan]
-        width, taken = visibilities.width, visibilities.integrations
+        width, integrations = visibilities.width, visibilities.integrations
         nothing = np.zeros(len(row), np.float32)
         return cls(
             uvw=visibilities.uvw[row] * (frequency / SPEED_OF_LIGHT)[:, None],
@@ -58,17 +64,19 @@ class Samples:
             weights=visibilities.weights[row, chan].astype(np.float32, copy=False),
             frequency=frequency.astype(float, copy=False),
             bandwidth=nothing if width is None else width[chan].astype(np.float32),
-            interval=nothing if taken is None else taken.interval[row].astype(np.float32),
+            interval=(
+                nothing if integrations is None else integrations.interval[row].astype(np.float32)
+            ),
             antennas=(
                 np.full((len(row), 2), -1, np.int16)
-                if taken is None
-                else taken.antennas[row].astype(np.int16)
+                if integrations is None
+                else integrations.antennas[row].astype(np.int16)
             ),
         )
 
     @classmethod
     def join(cls, parts: list[Self]) -> Self:
-        """Put parts one after the other."""
+        """Join parts one after the other."""
         return cls(
             *(
                 np.concatenate([getattr(part, name) for part in parts])
@@ -84,5 +92,5 @@ class Samples:
 
     @property
     def uv_distance(self) -> Float[Array, " sample"]:
-        """[wavelengths]."""
+        """Length of the projected baseline [wavelengths]."""
         return np.hypot(self.uvw[:, 0], self.uvw[:, 1])

@@ -8,21 +8,22 @@ import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
 
 @dataclass(frozen=True)
 class Integrations:
-    """What each row of a block was averaged over.
+    """Antennas and integration of each row of a block.
 
     Parameters
     ----------
     antennas
         Numbers of ANTENNA1 and ANTENNA2.
     time
-        Middle [s], from any epoch.
+        Middle of the integration [s], from any epoch.
     interval
-        Length [s]; 0 of what was not averaged.
+        Length of the integration [s]; 0 where nothing was averaged.
     """
 
     antennas: Int[Array, "row 2"]
@@ -47,11 +48,13 @@ class Visibilities:
     stokes_i
         DATA = sum S exp(+2 pi i (u l + v m + w (n-1))) [Jy]. Finite wherever the weight is positive.
     weights
-        1/sigma^2, sigma of one real component [Jy^-2]; 0 marks what is flagged.
+        1/sigma^2, with sigma the deviation of one real component [Jy^-2]; 0 marks flagged samples.
     width
-        Of the channels, that was averaged over [Hz]; None of what was not.
+        Band that each channel was averaged over [Hz]; None where nothing was averaged.
     integrations
-        Of the rows; None where they are not known.
+        Integration of each row; None where it is not known.
+    counts
+        Numbers of samples of the block by whether and why they were left out; None where nobody has counted.
     """
 
     uvw: Float[Array, "row 3"]
@@ -60,6 +63,7 @@ class Visibilities:
     weights: Float[Array, "row chan"]
     width: Float[Array, " chan"] | None = None
     integrations: Integrations | None = None
+    counts: SampleCounts | None = None
 
     def __len__(self) -> int:
         return len(self.uvw)
@@ -77,7 +81,11 @@ class Visibilities:
 
 @runtime_checkable
 class Observation(Protocol):
-    """Visibilities of one pointing, read in chunks as often as needed: in memory, or a Measurement Set."""
+    """Visibilities of one pointing, read in chunks as often as needed: in memory, or from a file.
+
+    A reader of a file format returns an object with these two members. What else an observation may tell is asked for
+    through ``interferometer.origin`` and ``interferometer.dishes``.
+    """
 
     @property
     def phase_centre(self) -> PhaseCentre:

@@ -1,29 +1,36 @@
-"""Weightings other than the natural one: what they make of the weights of an observation.
+"""Weightings other than the natural one.
 
-A weighting multiplies the natural weights w = 1/sigma^2 by factors T. The noise of a sum over visibilities is then no
-longer the beam's: what a weighting costs is in ``extraction.weighting_loss``.
+A weighting multiplies the natural weights w = 1/sigma^2 by factors T. The noise of a sum over visibilities then no
+longer follows from the weights: what a weighting costs is in ``diagnostics.weighting_loss``.
 """
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.errors import InputError
+from uvshear.execution import SERIAL, Executor
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.baseline_map import RINGS, BaselineMap, rings_of
+from uvshear.interferometer.accumulate import Accumulator, accumulate
+from uvshear.interferometer.baseline_map import (
+    RINGS,
+    BaselineMap,
+    Factors,
+    map_baselines,
+    rings_of,
+)
+from uvshear.interferometer.origin import Origin, origin_of, parts_of
 from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.typing import Array, Float, Int
 
-Factors = Callable[[Visibilities], Float[Array, "row chan"]]
-"""T of every sample of a chunk."""
-
 
 class Weighting(ABC):
-    """A way of weighting baselines; :func:`weighted` applies one after the other."""
+    """A way of weighting baselines; :func:`weighted` applies several, one after the other."""
 
     @abstractmethod
     def factors_for(self, observation: "WeightedObservation") -> Factors:
@@ -32,7 +39,17 @@ class Weighting(ABC):
 
 @dataclass(frozen=True)
 class WeightedObservation:
-    """An observation whose natural weights are multiplied by factors, and by a number."""
+    """An observation whose natural weights are multiplied by factors, and by a number.
+
+    Parameters
+    ----------
+    natural
+        The observation with natural weights.
+    factors
+        Functions whose results are multiplied with each other and with the natural weights.
+    scale
+        Number that all weights are multiplied by.
+    """
 
     natural: Observation
     factors: tuple[Factors, ...] = ()
@@ -43,37 +60,52 @@ class WeightedObservation:
         """Direction of l = m = 0."""
         return self.natural.phase_centre
 
+    @property
+    def parts(self) -> tuple["WeightedObservation", ...]:
+        """Parts of the natural observation, each weighted."""
+        inner = parts_of(self.natural)
+        return tuple(replace(self, natural=part) for part in inner) if len(inner) > 1 else (self,)
+
+    def origin(self) -> Origin:
+        """Return the origin of the natural observation."""
+        return replace(origin_of(self.natural), weights_tell_noise=False)
+
     def chunks(self) -> Iterator[Visibilities]:
         """Read everything once."""
-        for seen, factors in self.with_factors():
-            weights = (seen.weights * (self.scale * factors)).astype(seen.weights.dtype)
+        for seen in self.natural.chunks():
+            weights = (seen.weights * (self.scale * self.total_factors(seen))).astype(
+                seen.weights.dtype
+            )
             yield replace(seen, weights=weights)
 
-    def with_factors(self) -> Iterator[tuple[Visibilities, Float[Array, "row chan"]]]:
-        """Read everything once: with natural weights, and their factors beside them."""
-        for seen in self.natural.chunks():
-            product = np.ones(seen.weights.shape)
-            for factors in self.factors:
-                product *= factors(seen)
-            yield seen, product
+    def total_factors(self, seen: Visibilities) -> Float[Array, "row chan"]:
+        """Product of the factors for a chunk with natural weights, without ``scale``."""
+        product = np.ones(seen.weights.shape)
+        for factors in self.factors:
+            product *= factors(seen)
+        return product
+
+    def map_baselines(self, executor: Executor = SERIAL) -> BaselineMap:
+        """Read everything once for the natural weights and their factors, without ``scale``."""
+        return map_baselines(self.natural, self.total_factors, executor)
 
 
 def weighted(observation: Observation, weightings: Sequence[Weighting]) -> WeightedObservation:
-    """Apply weightings in their order; each sees what those before it have made of the weights."""
-    seen = WeightedObservation(observation)
+    """Apply weightings in their order; each starts from the weights that those before it have made."""
+    result = WeightedObservation(observation)
     for weighting in weightings:
-        seen = replace(seen, factors=(*seen.factors, weighting.factors_for(seen)))
-    return seen
+        result = replace(result, factors=(*result.factors, weighting.factors_for(result)))
+    return result
 
 
 @dataclass(frozen=True)
 class GaussianTaper(Weighting):
-    """A Gaussian over the uv plane, whose transform has this full width at half maximum [rad]."""
+    """A Gaussian over the uv plane, whose Fourier transform has this full width at half maximum [rad]."""
 
     fwhm: float
 
     def factors_for(self, observation: WeightedObservation) -> Factors:
-        """Return them by the length of the baseline alone."""
+        """Return factors that depend on the length of the baseline alone."""
         sigma = math.sqrt(2 * math.log(2)) / (math.pi * self.fwhm)
 
         def factors(seen: Visibilities) -> Float[Array, "row chan"]:
@@ -84,14 +116,14 @@ class GaussianTaper(Weighting):
 
 @dataclass(frozen=True)
 class TukeyTaper(Weighting):
-    """Half a cosine from 0 to 1 at either end of a range of baselines, none beyond it [wavelengths].
+    """A range of baselines with a half cosine from 0 to 1 at either end, and no weight beyond.
 
     Parameters
     ----------
     shortest, longest
-        Ends of the range.
+        Ends of the range [wavelengths].
     rise, fall
-        Lengths of the cosines; 0 is a sharp edge.
+        Lengths of the half cosines [wavelengths]; 0 is a sharp edge.
     """
 
     shortest: float = 0.0
@@ -100,7 +132,7 @@ class TukeyTaper(Weighting):
     fall: float = 0.0
 
     def factors_for(self, observation: WeightedObservation) -> Factors:
-        """Return them by the length of the baseline alone."""
+        """Return factors that depend on the length of the baseline alone."""
 
         def factors(seen: Visibilities) -> Float[Array, "row chan"]:
             length = seen.uv_distance
@@ -120,7 +152,7 @@ def _edge(inside: Float[Array, "..."], width: float) -> Float[Array, "..."]:
 NO_WEIGHT = "no visibility carries weight; a wider uv range, or another weighting, is needed"
 
 MOST_CELLS = 2**28
-"""Of a grid of densities: 2 GB."""
+"""Most cells of a grid of densities: 2 GB."""
 
 
 @dataclass(frozen=True)
@@ -134,7 +166,7 @@ class Briggs(Weighting):
     robustness
         R, from -2 (all but uniform) to 2 (all but natural).
     field
-        Cells are 1/field wide: that of the image, for an imager [rad].
+        Width of the field of view [rad]: cells of the uv plane are 1/field wide, as in an imager.
 
     References
     ----------
@@ -146,7 +178,7 @@ class Briggs(Weighting):
 
     def factors_for(self, observation: WeightedObservation) -> Factors:
         """Read the observation for the density of its weights."""
-        density = _Density.of(observation, self.field)
+        density = _density(observation, self.field)
         cells = density.weight[density.weight > 0]
         f_squared = (5 * 10**-self.robustness) ** 2 / float(np.sum(cells**2) / np.sum(cells))
 
@@ -158,13 +190,13 @@ class Briggs(Weighting):
 
 @dataclass(frozen=True)
 class Uniform(Weighting):
-    """The same weight for every cell of the uv plane that holds any; cells as of :class:`Briggs`."""
+    """The same weight for every cell of the uv plane that holds any; cells are those of :class:`Briggs`."""
 
     field: float
 
     def factors_for(self, observation: WeightedObservation) -> Factors:
         """Read the observation for the density of its weights."""
-        density = _Density.of(observation, self.field)
+        density = _density(observation, self.field)
         mean = float(density.weight[density.weight > 0].mean())
 
         def factors(seen: Visibilities) -> Float[Array, "row chan"]:
@@ -182,35 +214,12 @@ class _Density:
     half: int
     weight: Float[Array, " cell"]
 
-    @classmethod
-    def of(cls, observation: Observation, field: float) -> "_Density":
-        longest = 0.0
-        for seen in observation.chunks():
-            used = seen.uv_distance[seen.weights > 0]
-            longest = max(longest, float(used.max(initial=0.0)))
-        if longest == 0:
-            raise InputError(NO_WEIGHT)
-        half = math.ceil(longest * field) + 1
-        cells = (2 * half + 1) * (half + 1)
-        if cells > MOST_CELLS:
-            raise InputError(
-                f"--weight-field-arcmin {math.degrees(field) * 60:g}: a grid of {cells:.2g} cells for baselines of"
-                f" {longest:.3g} wavelengths; a smaller field is needed"
-            )
-        density = cls(field, half, np.zeros(cells))
-        for seen in observation.chunks():
-            used = (seen.weights > 0).ravel()
-            cell = density._cells(seen).ravel()[used]
-            there, index = np.unique(cell, return_inverse=True)
-            density.weight[there] += np.bincount(index, seen.weights.ravel()[used], len(there))
-        return density
-
     def around(self, seen: Visibilities) -> Float[Array, "row chan"]:
-        """Weight of the cell of each sample; 0 of samples without weight that are off the grid."""
-        cell = self._cells(seen)
+        """Weight of the cell of each sample; 0 for samples without weight that are off the grid."""
+        cell = self.cells(seen)
         return np.where(cell >= 0, self.weight[np.maximum(cell, 0)], 0.0)
 
-    def _cells(self, seen: Visibilities) -> Int[Array, "row chan"]:
+    def cells(self, seen: Visibilities) -> Int[Array, "row chan"]:
         scale = self.field * seen.frequency / SPEED_OF_LIGHT
         u, v = (seen.uvw[:, axis, None] * scale for axis in (0, 1))
         flipped = np.where((v < 0) | ((v == 0) & (u < 0)), -1, 1)
@@ -219,25 +228,78 @@ class _Density:
         return np.where(inside, v * (2 * self.half + 1) + u + self.half, -1)
 
 
+class _LongestBaseline(Accumulator[float]):
+    """Finds the length of the longest baseline with weight [wavelengths]."""
+
+    def __init__(self) -> None:
+        self._longest = 0.0
+
+    def add(self, seen: Visibilities) -> None:
+        used = seen.uv_distance[seen.weights > 0]
+        self._longest = max(self._longest, float(used.max(initial=0.0)))
+
+    def merge(self, later: Self) -> None:
+        self._longest = max(self._longest, later._longest)
+
+    def result(self) -> float:
+        return self._longest
+
+
+class _DensityAccumulator(Accumulator[_Density]):
+    """Adds up the weights of every cell."""
+
+    def __init__(self, empty: _Density) -> None:
+        self._density = empty
+
+    def add(self, seen: Visibilities) -> None:
+        used = (seen.weights > 0).ravel()
+        cell = self._density.cells(seen).ravel()[used]
+        filled, index = np.unique(cell, return_inverse=True)
+        self._density.weight[filled] += np.bincount(index, seen.weights.ravel()[used], len(filled))
+
+    def merge(self, later: Self) -> None:
+        self._density.weight[:] += later._density.weight
+
+    def result(self) -> _Density:
+        return self._density
+
+
+def _density(observation: Observation, field: float) -> _Density:
+    (longest,) = accumulate(observation, [_LongestBaseline()])
+    if longest == 0:
+        raise InputError(NO_WEIGHT)
+    half = math.ceil(longest * field) + 1
+    cells = (2 * half + 1) * (half + 1)
+    if cells > MOST_CELLS:
+        raise InputError(
+            f"--weight-field-arcmin {math.degrees(field) * 60:g}: a grid of {cells:.2g} cells for baselines of"
+            f" {longest:.3g} wavelengths; a smaller field is needed"
+        )
+    empty = _Density(field, half, np.zeros(cells))
+    density: _Density
+    (density,) = accumulate(observation, [_DensityAccumulator(empty)])
+    return density
+
+
 @dataclass(frozen=True)
 class RoundPsf(Weighting):
-    r"""Weights whose beam has no quadrupole, at whatever distance from its centre.
+    r"""Weights whose beam has no quadrupole at any distance from its centre.
 
-    A beam is as round as its weights: the quadrupole of any round weight over the beam is a sum over the lengths r of
-    baselines of what the weights have there. On each ring of the uv plane the factors are those closest to 1 that have
-    no quadrupole left:
+    A beam is as round as its weights: its quadrupole under any round weight is a sum over the lengths of baselines of
+    the quadrupole of the weights at this length. On each ring of the uv plane the factors are those closest to 1 that
+    leave no quadrupole:
 
     .. math::
         T = \max(0, 1 - \lambda_1 \cos 2\phi - \lambda_2 \sin 2\phi),\quad
         \sum w T e^{2 i \phi} = 0
 
-    the minimum of :math:`\sum w (T - 1)^2` over T >= 0. A ring whose baselines point all in one half of the
+    the minimum of :math:`\sum w (T - 1)^2` over T >= 0. A ring whose baselines all point into one half of the
     directions keeps no weight.
     """
 
     def factors_for(self, observation: WeightedObservation) -> Factors:
         """Read the observation for its weights over lengths and angles."""
-        multipliers = _multipliers(BaselineMap.of((seen, None) for seen in observation.chunks()))
+        multipliers = _multipliers(map_baselines(observation))
 
         def factors(seen: Visibilities) -> Float[Array, "row chan"]:
             whole, first, second = multipliers[:, rings_of(seen.uv_distance)]
@@ -252,11 +314,11 @@ class RoundPsf(Weighting):
 MOST_STEPS = 100
 _ROUND = 1e-10
 _NOTHING = 1e-6
-"""Part of a ring's weight that is taken for none."""
+"""Fraction of a ring's weight that is taken to be none."""
 
 
 def _multipliers(cells: BaselineMap) -> Float[Array, "3 ring"]:
-    """Return 1 and lambda of each ring; zeros of one that keeps nothing.
+    """Return 1, lambda_1 and lambda_2 of each ring; zeros for a ring that keeps no weight.
 
     Newton's method for all rings at once: the sums are piecewise linear in lambda, and convex.
     """
@@ -275,7 +337,7 @@ def _multipliers(cells: BaselineMap) -> Float[Array, "3 ring"]:
         left = np.stack([sums(kept * factor * wave) for wave in waves])
         if np.all(np.abs(left) <= _ROUND * total):
             break
-        # A ring of one direction has a singular matrix, one that keeps nothing an empty one.
+        # The matrix is singular for a ring of one direction, and zero for a ring that keeps no weight.
         floor = np.where(total > 0, 1e-9 * total, 1.0)
         cc, cs, ss = (
             sums(kept * waves[i] * waves[j]) + (floor if i == j else 0)

@@ -1,6 +1,7 @@
 """Catalogues of sources: any table astropy reads, checked, in SI and radians."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Self
@@ -12,19 +13,20 @@ from astropy.table import Column, Table
 from uvshear.constants import ARCSEC, MICROJANSKY, REFERENCE_FREQUENCY, SPECTRAL_INDEX
 from uvshear.errors import InputError
 from uvshear.galaxy.galaxies import Galaxies
+from uvshear.galaxy.registry import PROFILES
 from uvshear.geometry.directions import PhaseCentre, direction_cosines, equatorial
 from uvshear.io.columns import Columns
-from uvshear.io.provenance import Provenance
 from uvshear.io.source_finders import in_our_columns
 from uvshear.io.tables import read_table, write_table
 from uvshear.typing import Array, Bool, Complex, Float, Shaped
 
 REFERENCE_FREQUENCY_KEYS = ("reference_frequency", "reffreq", "freq0")
-"""Metadata that state the frequency of the fluxes; the last is PyBDSF's."""
+"""Keys of the metadata that state the frequency of the fluxes; the last is PyBDSF's."""
 
 POINT = "point"
-GALAXIES = ("galaxy", "exponential", "gaussian", "")
-"""What the column ``profile`` may say; which profile a galaxy has is an option of the measurement."""
+GALAXY = "galaxy"
+"""Words of the column ``profile``. An empty cell and the names of all known profiles stand for a galaxy as well: the
+profile of the model is an option of the measurement."""
 
 
 @dataclass(frozen=True)
@@ -44,17 +46,21 @@ class Catalogue:
     l, m
         Direction cosines from the phase centre; None where the catalogue gives (ra, dec).
     scale_length
-        [rad]; None where the catalogue has none.
+        Scale length alpha of the profile [rad]; None where the catalogue has none.
     ellipticity
-        e1 + i e2 in the (l, m) frame, of simulated catalogues; never used to measure.
+        e1 + i e2 in the (l, m) frame, in simulated catalogues; never used in a measurement.
+    shear
+        Reduced shear g1 + i g2 of each source in the sky frame, local North as TreeCorr takes RA and Dec, for
+        simulations; None where the catalogue has none. It is not part of ``ellipticity``.
     flux_err
         Standard deviation of the flux [Jy], 0 where it is not known; None where the catalogue has none.
     position_err
         Standard deviation of the position along each axis [rad], 0 where it is not known; or None.
     is_point
-        Stars and active nuclei, of no size; None where the catalogue has no column ``profile``.
+        Whether the source is a star or an active nucleus without size; None where the catalogue has no column
+        ``profile``.
     reference_frequency
-        [Hz].
+        Frequency of the fluxes [Hz].
     field_centre
         Direction of l = m = 0 of a simulated catalogue, where it was given.
     """
@@ -68,6 +74,7 @@ class Catalogue:
     m: Float[Array, " source"] | None = None
     scale_length: Float[Array, " source"] | None = None
     ellipticity: Complex[Array, " source"] | None = None
+    shear: Complex[Array, " source"] | None = None
     flux_err: Float[Array, " source"] | None = None
     position_err: Float[Array, " source"] | None = None
     is_point: Bool[Array, " source"] | None = None
@@ -97,7 +104,7 @@ class Catalogue:
         return self.l, self.m, np.sqrt(1 - self.l**2 - self.m**2)
 
     def galaxies(self, phase_centre: PhaseCentre) -> Galaxies:
-        """Return what a simulation needs; without sizes the sources are points, without e round."""
+        """Return the galaxies before any shear; without sizes they are points, without ellipticities round."""
         l, m, n = self.directions(phase_centre)
         if np.any(n <= 0):
             worst = self.identifier[int(np.argmin(n))]
@@ -124,14 +131,14 @@ def read_catalogue(
     flux_unit: str | None = None,
     reference_frequency: float | None = None,
 ) -> Catalogue:
-    """Read a catalogue (ECSV, FITS, VOTable, CSV, ...; those of PyBDSF and Aegean as they are).
+    """Read a catalogue (ECSV, FITS, VOTable, CSV, ...; catalogues of PyBDSF and Aegean as they are).
 
     Parameters
     ----------
     flux_unit
-        Unit of a flux column that has none (CSV), as astropy spells it.
+        Unit of a flux column without one (CSV), as astropy spells it.
     reference_frequency
-        Frequency of the fluxes [Hz], instead of what the file says.
+        Frequency of the fluxes [Hz], in place of the one that the file states.
     """
     table = read_table(Path(path), "catalogue")
     return catalogue_from_table(
@@ -146,7 +153,7 @@ def catalogue_from_table(
     flux_unit: str | None = None,
     reference_frequency: float | None = None,
 ) -> Catalogue:
-    """Check a table and turn it into a catalogue; ``name`` is what errors call it."""
+    """Check a table and turn it into a catalogue; errors call it by ``name``."""
     if len(table) == 0:
         raise InputError(f"{name}: has no rows; a catalogue of at least one source is needed")
     columns = Columns(in_our_columns(table), name)
@@ -164,18 +171,6 @@ def catalogue_from_table(
         scale_length = columns.number("scale_length", units.rad, assumed=units.arcsec)
         columns.require("scale_length", scale_length >= 0, "a size >= 0 is needed", scale_length)
 
-    ellipticity = None
-    if columns.has("e1") != columns.has("e2"):
-        absent = "e1" if columns.has("e2") else "e2"
-        raise InputError(f"{name}: has no column '{absent}'; give both e1 and e2, or neither")
-    if columns.has("e1"):
-        e1 = columns.number("e1", units.dimensionless_unscaled)
-        e2 = columns.number("e2", units.dimensionless_unscaled)
-        ellipticity = e1 + 1j * e2
-        columns.require(
-            "e1, e2", np.abs(ellipticity) < 1, "|e| = (a-b)/(a+b) below 1 is needed", ellipticity
-        )
-
     flux_err = None
     if columns.has("flux_err"):
         flux_err = columns.error("flux_err", units.Jy, assumed=columns.unit_of("flux", flux_unit))
@@ -188,7 +183,8 @@ def catalogue_from_table(
         position_err=_position_errors(columns),
         spectral_index=index,
         scale_length=scale_length,
-        ellipticity=ellipticity,
+        ellipticity=_spin_2(columns, "e1", "e2", "|e| = (a-b)/(a+b) below 1 is needed"),
+        shear=_spin_2(columns, "shear1", "shear2", "a reduced shear below 1 is needed"),
         is_point=_points(columns),
         reference_frequency=common,
         field_centre=_field_centre(columns),
@@ -197,7 +193,7 @@ def catalogue_from_table(
 
 
 def _positions(columns: Columns) -> dict[str, Float[Array, " source"]]:
-    """(ra, dec) where both are there, else (l, m)."""
+    """Read (ra, dec) where the table has them, else (l, m)."""
     for pair in (("ra", "dec"), ("l", "m")):
         there = [columns.has(name) for name in pair]
         if any(there) and not all(there):
@@ -224,8 +220,27 @@ def _positions(columns: Columns) -> dict[str, Float[Array, " source"]]:
     )
 
 
+def _spin_2(
+    columns: Columns, first: str, second: str, needed: str
+) -> Complex[Array, " source"] | None:
+    """Return both components as a complex number below 1 in modulus, if the table has them."""
+    if not (columns.has(first) or columns.has(second)):
+        return None
+    if not (columns.has(first) and columns.has(second)):
+        absent = first if columns.has(second) else second
+        raise InputError(
+            f"{columns.name}: has no column '{absent}'; give both {first} and {second}, or neither"
+        )
+    real, imaginary = (
+        columns.number(name, units.dimensionless_unscaled) for name in (first, second)
+    )
+    value = real + 1j * imaginary
+    columns.require(f"{first}, {second}", np.abs(value) < 1, needed, value)
+    return value
+
+
 def _position_errors(columns: Columns) -> Float[Array, " source"] | None:
-    """Mean of both axes' variances, if both have errors."""
+    """Root of the mean of both axes' variances, if both have errors."""
     if not (columns.has("ra_err") and columns.has("dec_err")):
         return None
     ra, dec = (columns.error(name, units.rad, assumed=units.deg) for name in ("ra_err", "dec_err"))
@@ -233,15 +248,16 @@ def _position_errors(columns: Columns) -> Float[Array, " source"] | None:
 
 
 def _points(columns: Columns) -> Bool[Array, " source"] | None:
-    """Which sources the column ``profile`` calls points; anything else that it may say is a galaxy."""
+    """Tell which sources the column ``profile`` calls points; all others are galaxies."""
     if not columns.has("profile"):
         return None
     words = columns.words("profile")
-    known = np.isin(words, [POINT, *GALAXIES])
+    galaxies = (GALAXY, *PROFILES.names())
+    known = np.isin(words, [POINT, "", *galaxies])
     if not known.all():
         raise InputError(
             f"{columns.name}: column 'profile' has '{words[~known][0]}';"
-            f" '{POINT}' or one of {', '.join(repr(word) for word in GALAXIES if word)} is needed"
+            f" '{POINT}' or one of {', '.join(repr(word) for word in galaxies)} is needed"
         )
     return words == POINT
 
@@ -255,7 +271,7 @@ def _field_centre(columns: Columns) -> PhaseCentre | None:
 
 
 def _frequencies(columns: Columns, option: float | None) -> Float[Array, " source"]:
-    """Frequency of each flux: the option, else the column, else the metadata, else 1.4 GHz."""
+    """Frequency of each flux: from the option, else the column, else the metadata, else 1.4 GHz."""
     frequency = np.full(len(columns.identifier), REFERENCE_FREQUENCY)
     if option is not None:
         frequency[:] = option
@@ -287,7 +303,7 @@ def _frequencies(columns: Columns, option: float | None) -> Float[Array, " sourc
 def catalogue_from_galaxies(
     galaxies: Galaxies, phase_centre: PhaseCentre | None = None
 ) -> Catalogue:
-    """Catalogue of simulated galaxies: (ra, dec) about ``phase_centre``, (l, m) without one."""
+    """Catalogue of simulated galaxies, with (ra, dec) about ``phase_centre``, or (l, m) without one."""
     position = {"l": galaxies.l, "m": galaxies.m}
     if phase_centre is not None:
         ra, dec = equatorial(phase_centre, galaxies.l, galaxies.m)
@@ -304,7 +320,7 @@ def catalogue_from_galaxies(
     )
 
 
-def catalogue_table(catalogue: Catalogue, provenance: Provenance | None = None) -> Table:
+def catalogue_table(catalogue: Catalogue, provenance: Mapping[str, str] | None = None) -> Table:
     """Return the catalogue with units and descriptions, as it is written."""
     table = Table()
 
@@ -332,22 +348,26 @@ def catalogue_table(catalogue: Catalogue, provenance: Provenance | None = None) 
         frame = "e = e1 + i e2, |e| = (a-b)/(a+b), (l East, m North) frame of the phase centre"
         add("e1", catalogue.ellipticity.real, None, frame)
         add("e2", catalogue.ellipticity.imag, None, frame)
+    if catalogue.shear is not None:
+        frame = "reduced shear g1 + i g2 of the source, axes local East and North, as TreeCorr takes RA and Dec"
+        add("shear1", catalogue.shear.real, None, frame)
+        add("shear2", catalogue.shear.imag, None, frame)
     if catalogue.is_point is not None:
-        words = np.where(catalogue.is_point, POINT, GALAXIES[0])
-        add("profile", words, None, "point: a star or an active nucleus, of no size")
+        words = np.where(catalogue.is_point, POINT, GALAXY)
+        add("profile", words, None, "point: a star or an active nucleus without size")
     table.meta["reference_frequency"] = f"{catalogue.reference_frequency:.17g} Hz"
     if catalogue.field_centre is not None:
         table.meta["ra0_deg"] = math.degrees(catalogue.field_centre.ra)
         table.meta["dec0_deg"] = math.degrees(catalogue.field_centre.dec)
     if provenance is not None:
-        table.meta.update(provenance.metadata())
+        table.meta.update(provenance)
     return table
 
 
 def write_catalogue(
     path: Path,
     catalogue: Catalogue,
-    provenance: Provenance | None = None,
+    provenance: Mapping[str, str] | None = None,
     *,
     overwrite: bool = False,
 ) -> None:

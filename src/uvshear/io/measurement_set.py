@@ -2,16 +2,17 @@
 
 import dataclasses
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
-from functools import reduce
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final, Self
+from typing import Final
 
 import numpy as np
 from casacore import tables
 
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.origin import Origin
+from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import stokes_i
 from uvshear.interferometer.visibilities import Integrations, Visibilities
@@ -22,83 +23,44 @@ from uvshear.io.measurement_set_header import (
     check_scans,
     check_subtracted,
     open_table,
+    read_diameters,
     read_header,
+    read_pointing,
 )
+from uvshear.io.uvw_sign import uvw_sign_agrees
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
 BYTES_PER_SAMPLE: Final = 32
-"""What a sample of one correlation takes while it is read, work on it included."""
+"""Memory that a sample of one correlation takes while it is read and combined."""
 
 BYTES_PER_ROW: Final = 64
-"""What a row takes beside its samples: UVW, antennas, identifiers."""
-
-
-@dataclass(frozen=True)
-class MeasurementSetSummary:
-    """Counts of one reading.
-
-    Parameters
-    ----------
-    rows
-        Cross-correlations of the field.
-    autocorrelations
-        Rows left out because both antennas are the same.
-    samples
-        Visibilities of Stokes I: rows times channels.
-    usable
-        Those with a positive weight.
-    flagged
-        Those with FLAG or FLAG_ROW set in a hand.
-    non_finite
-        Unflagged ones with a NaN or an infinity in data or weights.
-    non_positive_weights
-        Unflagged finite ones with a zero or negative weight.
-    """
-
-    rows: int = 0
-    autocorrelations: int = 0
-    samples: int = 0
-    usable: int = 0
-    flagged: int = 0
-    non_finite: int = 0
-    non_positive_weights: int = 0
-
-    @property
-    def flagged_fraction(self) -> float:
-        """Part of the samples that is flagged."""
-        return self.flagged / self.samples if self.samples else 0.0
-
-    def __add__(self, other: Self) -> Self:
-        """Add the counts."""
-        return type(self)(
-            *(getattr(self, one.name) + getattr(other, one.name) for one in fields(self))
-        )
+"""Memory that a row takes besides its samples: UVW, antennas, identifiers."""
 
 
 @dataclass(frozen=True)
 class MeasurementSet:
-    """One field of a Measurement Set as an observation of Stokes I; UVW as stored.
+    """One field of a Measurement Set as an observation of Stokes I.
 
-    It holds no open table: it pickles, and a worker opens the set by its path.
+    It holds no open table, so that it can be pickled; a worker opens the set by its path.
 
     Parameters
     ----------
     path
-        Of the set.
+        Path of the set.
     column
-        DATA, CORRECTED_DATA, ...
+        Column of visibilities: DATA, CORRECTED_DATA, ...
     field
         FIELD_ID or name; needed only where rows of several fields are present.
     memory
         Size of a chunk's buffers, whatever the number of rows [bytes].
     heeds_flags
-        False takes flagged visibilities too: for a look at a set whose flags are wrong.
+        Whether flagged visibilities are left out; False is for a look at a set whose flags are wrong.
     scans
         SCAN_NUMBERs to read; all unless given.
     conjugates
-        Take UVW with the other sign: of a set whose visibilities do not follow it.
+        Whether UVW is taken with the opposite sign, for a set whose visibilities do not follow the stored one.
     subtracted
-        Column of a model that is taken from the visibilities: MODEL_DATA.
+        Column of a model that is subtracted from the visibilities: MODEL_DATA.
     """
 
     path: str | Path
@@ -137,29 +99,16 @@ class MeasurementSet:
         InputError
             At the end, when nothing read had a positive weight.
         """
-        summary = MeasurementSetSummary()
-        for visibilities, counts in self.counted_chunks():
-            summary += counts
-            if len(visibilities):
-                yield visibilities
-        _check_usable(Path(self.path), summary)
+        total = SampleCounts()
+        for seen in self.unchecked_chunks():
+            if seen.counts is not None:
+                total += seen.counts
+            if len(seen):
+                yield seen
+        _check_usable(Path(self.path), total)
 
-    def summary(self) -> MeasurementSetSummary:
-        """Read everything once and count."""
-        return reduce(
-            lambda total, counts: total + counts,
-            (counts for _, counts in self.counted_chunks()),
-            MeasurementSetSummary(),
-        )
-
-    @property
-    def rows_per_chunk(self) -> int:
-        """Rows whose buffers fill ``memory``."""
-        samples = max(len(one.channels) * one.correlations for one in self.header.descriptions)
-        return max(1, self.memory // (BYTES_PER_SAMPLE * samples + BYTES_PER_ROW))
-
-    def counted_chunks(self) -> Iterator[tuple[Visibilities, MeasurementSetSummary]]:
-        """Read everything once, chunks without any cross-correlation too, and count what is in each."""
+    def unchecked_chunks(self) -> Iterator[Visibilities]:
+        """Read everything once, including chunks without a cross-correlation and sets without a usable sample."""
         path = Path(self.path)
         with open_table(path) as main, casacore_errors(path, f"column {self.column}"):
             reader = _Reader(main, self)
@@ -168,20 +117,58 @@ class MeasurementSet:
                 for description, rows in reader.split(start, count):
                     yield reader.read(description, rows)
 
+    @property
+    def rows_per_chunk(self) -> int:
+        """Number of rows whose buffers fill ``memory``."""
+        samples = max(
+            len(description.channels) * description.correlations
+            for description in self.header.descriptions
+        )
+        return max(1, self.memory // (BYTES_PER_SAMPLE * samples + BYTES_PER_ROW))
+
+    def origin(self) -> Origin:
+        """Return the set itself, under its path."""
+        return Origin(self, str(self.path))
+
+    def notices(self) -> tuple[str, ...]:
+        """Return what the metadata tell a user who measures this set."""
+        found = []
+        if self.header.weight_column == "SIGMA":
+            found.append("no WEIGHT above zero; the weights are 1/SIGMA^2")
+        if self.uvw_agrees() is False:
+            found.append(
+                "UVW is X(ANTENNA2) - X(ANTENNA1) by the antennas' positions; it is used as it is stored,"
+                " which mirrors the sky if the visibilities follow the opposite sign (--conjugate reverses it)"
+            )
+        return tuple(found)
+
+    def uvw_agrees(self) -> bool | None:
+        """Whether UVW, as it is read, is X(ANTENNA1) - X(ANTENNA2) by the antennas' positions; None if neither fits."""
+        stored = uvw_sign_agrees(Path(self.path), self.header)
+        return None if stored is None else stored is not self.conjugates
+
+    def dish_diameters(self) -> Float[Array, " antenna"]:
+        """Return DISH_DIAMETER of each antenna [m]; 0 where it is not given."""
+        return read_diameters(Path(self.path))
+
+    def pointing_direction(self) -> PhaseCentre:
+        """Return where the dishes pointed: REFERENCE_DIR of the field, or DELAY_DIR, or PHASE_DIR in a set without."""
+        return read_pointing(Path(self.path), self.header.field_id)
+
 
 class _Reader:
-    """One pass over an open table, with buffers used again from chunk to chunk."""
+    """One pass over an open table, with buffers that are reused from chunk to chunk."""
 
-    def __init__(self, main: tables.table, one: MeasurementSet) -> None:
-        self.main, self.column, self.header = main, one.column, one.header
-        self.heeds_flags, self.scans = one.heeds_flags, one.scans
-        self.sign = -1.0 if one.conjugates else 1.0
-        self.subtracted, self.path = one.subtracted, Path(one.path)
+    def __init__(self, main: tables.table, data: MeasurementSet) -> None:
+        self.main, self.column, self.header = main, data.column, data.header
+        self.heeds_flags, self.scans = data.heeds_flags, data.scans
+        self.sign = -1.0 if data.conjugates else 1.0
+        self.subtracted, self.path = data.subtracted, Path(data.path)
         self.has_flag_row = "FLAG_ROW" in main.colnames()
         self.buffers: dict[str, Array] = {}
 
     def split(self, start: int, count: int) -> Iterator[tuple[DataDescription, Int[Array, " row"]]]:
-        """Rows of the chosen field, spectral window by spectral window."""
+        """Yield the rows of the chosen field and scans, spectral window by spectral window."""
         rows = np.arange(start, start + count)
         if not self.header.is_only_field:
             rows = rows[self.main.getcol("FIELD_ID", start, count) == self.header.field_id]
@@ -197,10 +184,8 @@ class _Reader:
             if len(selected):
                 yield description, selected
 
-    def read(
-        self, description: DataDescription, rows: Int[Array, " row"]
-    ) -> tuple[Visibilities, MeasurementSetSummary]:
-        """Stokes I of some rows of one spectral window."""
+    def read(self, description: DataDescription, rows: Int[Array, " row"]) -> Visibilities:
+        """Read Stokes I of some rows of one spectral window."""
         table, start = self.main, int(rows[0])
         if rows[-1] - rows[0] + 1 != len(rows):
             table, start = self.main.selectrows(rows), 0
@@ -220,7 +205,7 @@ class _Reader:
         table.getcolnp("UVW", uvw, start, count)
         uvw *= self.sign
         nowhere = ~np.isfinite(uvw).all(axis=1)
-        uvw[nowhere], correlations[nowhere] = 0.0, np.nan  # counted as not finite, and left out
+        uvw[nowhere], correlations[nowhere] = 0.0, np.nan  # counted as non-finite, and left out
         integrations = self._integrations(table, start, count)
         is_cross = integrations.antennas[:, 0] != integrations.antennas[:, 1]
         # A slice of the correlations, not an index: a view costs nothing.
@@ -235,7 +220,7 @@ class _Reader:
                 weights[..., hands],
                 flags[..., hands],
             )
-        visibilities, counts = _combine(
+        seen = _combine(
             description,
             uvw[is_cross],
             integrations.select(is_cross),
@@ -243,8 +228,9 @@ class _Reader:
             weights[is_cross, :, hands],
             flags[is_cross, :, hands],
         )
+        assert seen.counts is not None
         autocorrelations = count - int(np.count_nonzero(is_cross))
-        return visibilities, counts + MeasurementSetSummary(autocorrelations=autocorrelations)
+        return replace(seen, counts=replace(seen.counts, autocorrelations=autocorrelations))
 
     def _visibilities(
         self, table: tables.table, column: str, start: int, shape: tuple[int, int, int]
@@ -292,10 +278,10 @@ def _combine(
     correlations: Complex[Array, "row chan corr"],
     weights: Float[Array, "row chan corr"],
     flags: Bool[Array, "row chan corr"],
-) -> tuple[Visibilities, MeasurementSetSummary]:
+) -> Visibilities:
     combined = stokes_i(correlations, weights, flags)
     usable = int(np.count_nonzero(combined.weights))
-    counts = MeasurementSetSummary(
+    counts = SampleCounts(
         rows=len(uvw),
         samples=combined.weights.size,
         usable=usable,
@@ -303,27 +289,27 @@ def _combine(
         non_finite=combined.non_finite,
         non_positive_weights=combined.non_positive,
     )
-    visibilities = Visibilities(
+    return Visibilities(
         uvw=uvw,
         frequency=description.channels.frequency,
         stokes_i=combined.visibilities,
         weights=combined.weights,
         width=description.averaged,
         integrations=integrations,
+        counts=counts,
     )
-    return visibilities, counts
 
 
-def _check_usable(path: Path, summary: MeasurementSetSummary) -> None:
-    if summary.usable:
+def _check_usable(path: Path, counts: SampleCounts) -> None:
+    if counts.usable:
         return
-    if not summary.rows:
+    if not counts.rows:
         raise InputError(
             f"{path}: holds autocorrelations alone; baselines between antennas are needed"
         )
-    if summary.flagged == summary.samples:
+    if counts.flagged == counts.samples:
         raise InputError(f"{path}: all visibilities are flagged; there is nothing to measure")
     raise InputError(
-        f"{path}: no visibility is usable: of {summary.samples}, {summary.flagged} are flagged,"
-        f" {summary.non_finite} not finite, {summary.non_positive_weights} without positive weight"
+        f"{path}: no visibility is usable: of {counts.samples}, {counts.flagged} are flagged,"
+        f" {counts.non_finite} not finite, {counts.non_positive_weights} without positive weight"
     )

@@ -1,4 +1,4 @@
-"""What stands in a Measurement Set's subtables, checked: everything but the rows."""
+"""Metadata of a Measurement Set, checked: everything but the rows."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 from casacore import tables
 
+from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
-from uvshear.geometry.directions import PhaseCentre
+from uvshear.geometry.directions import PhaseCentre, separation
+from uvshear.interferometer.dishes import SAME_POINTING
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import parallel_hands
 from uvshear.typing import Array, Float
@@ -25,20 +27,21 @@ WEIGHT_PROBES = 256
 
 @dataclass(frozen=True)
 class DataDescription:
-    """How the rows of one DATA_DESC_ID are laid out.
+    """Layout of the rows of one DATA_DESC_ID.
 
     Parameters
     ----------
     identifier
         The DATA_DESC_ID.
     channels
-        Of its spectral window.
+        Channels of its spectral window.
     averaged
-        EFFECTIVE_BW of each channel, over which it was averaged [Hz] (0: over nothing); its width in a set without.
+        Band that each channel was averaged over [Hz]: EFFECTIVE_BW (0 where nothing was averaged), or the width of
+        the channel in a set without it.
     correlations
         Number of correlations.
     hands
-        Indices of those that make Stokes I.
+        Indices of the correlations that make Stokes I.
     """
 
     identifier: int
@@ -50,24 +53,25 @@ class DataDescription:
 
 @dataclass(frozen=True)
 class Header:
-    """What is read of a Measurement Set once.
+    """Metadata of a Measurement Set that are read once.
 
     Parameters
     ----------
     rows
-        Of the main table.
+        Number of rows of the main table.
     field_id
         The one FIELD_ID that is read.
     is_only_field
-        Whether all rows have it.
+        Whether all rows have this FIELD_ID.
     phase_centre
-        Of that field.
+        Phase centre of this field.
     descriptions
-        One for each DATA_DESC_ID, in order.
+        Layout of each DATA_DESC_ID, in order.
     weight_column
         WEIGHT_SPECTRUM, WEIGHT or SIGMA: the first that is filled.
     interval_column
-        EXPOSURE, which a row was averaged over (0: over nothing); INTERVAL, or None, in a set that has none.
+        Column of the time that a row was averaged over: EXPOSURE (0 where nothing was averaged), INTERVAL in a set
+        without it, or None.
     """
 
     rows: int
@@ -101,7 +105,7 @@ def open_table(path: Path, subtable: str = "") -> Iterator[tables.table]:
 
 
 def read_header(path: Path, column: str, field: int | str | None) -> Header:
-    """Read and check; what is wrong raises one line."""
+    """Read the metadata and check them; an error is one line."""
     check_is_measurement_set(path)
     with open_table(path) as main:
         _check_columns(path, main, column)
@@ -121,7 +125,7 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
 
 
 def check_is_measurement_set(path: Path) -> None:
-    """Refuse what is none, with what it is instead."""
+    """Refuse a path that is no Measurement Set, and say what it is instead."""
     if not path.exists():
         raise InputError(f"{path}: no such file; the path of a Measurement Set is needed")
     if not (path / "table.dat").is_file():
@@ -135,7 +139,7 @@ def check_is_measurement_set(path: Path) -> None:
 
 
 def check_column(path: Path, main: tables.table, column: str) -> None:
-    """Refuse a column that has no visibilities."""
+    """Refuse a column without visibilities."""
     if column not in main.colnames():
         like = visibility_columns(main)
         raise InputError(
@@ -148,10 +152,10 @@ def check_column(path: Path, main: tables.table, column: str) -> None:
 
 
 def check_subtracted(path: Path, column: str, subtracted: str) -> None:
-    """Refuse a model that cannot be taken from a column."""
+    """Refuse a model that cannot be subtracted from a column."""
     if subtracted == column:
         raise InputError(
-            f"{path}: column {column} would be taken from itself; --subtract names a column of a model"
+            f"{path}: column {column} would be subtracted from itself; --subtract names the column of a model"
         )
     with open_table(path) as main:
         check_column(path, main, subtracted)
@@ -196,7 +200,9 @@ def fields_present(path: Path, main: tables.table) -> dict[int, str | None]:
         present = set()
         for start in range(0, main.nrows(), ROWS_SCANNED):
             present |= set(np.unique(main.getcol("FIELD_ID", start, ROWS_SCANNED)).tolist())
-    return {one: names[one] if 0 <= one < len(names) else None for one in sorted(present)}
+    return {
+        number: names[number] if 0 <= number < len(names) else None for number in sorted(present)
+    }
 
 
 def _choose_field(path: Path, main: tables.table, field: int | str | None) -> tuple[int, bool]:
@@ -208,7 +214,7 @@ def _choose_field(path: Path, main: tables.table, field: int | str | None) -> tu
             raise InputError(f"{path}: several fields, {listed}; choose one with --field (field=)")
         chosen = next(iter(present))
     else:
-        matching = [one for one, name in present.items() if field in (one, name)]
+        matching = [number for number, name in present.items() if field in (number, name)]
         if not matching:
             raise InputError(f"{path}: no rows of field {field}; there are {listed}")
         chosen = matching[0]
@@ -249,6 +255,35 @@ def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCe
     if not (math.isfinite(ra) and abs(dec) <= math.pi / 2):
         raise InputError(f"{path}: {column} of field {field} is ({ra}, {dec}); radians are needed")
     return PhaseCentre(ra=ra, dec=dec)
+
+
+def read_pointing(path: Path, field: int) -> PhaseCentre:
+    """Read where the dishes pointed in a field.
+
+    That is REFERENCE_DIR of FIELD, or DELAY_DIR in a set without: a change of the phase centre after the observation
+    changes PHASE_DIR only. A set with neither is taken to have the phase centre of the observation.
+    """
+    with open_table(path, "FIELD") as fields:
+        present = [
+            name
+            for name in ("REFERENCE_DIR", "DELAY_DIR")
+            if name in fields.colnames() and fields.iscelldefined(name, field)
+        ]
+    axes = [read_direction(path, field, name) for name in present or ("PHASE_DIR",)]
+    apart = max(separation(axes[0], axis) for axis in axes)
+    if apart > SAME_POINTING:
+        raise InputError(
+            f"{path}: REFERENCE_DIR and DELAY_DIR of FIELD are {apart / ARCSEC:.3g} arcsec apart, so that it is not"
+            " known where the dishes pointed; a measurement without a primary beam (--primary-beam none), or a set in"
+            " which the two agree, is needed"
+        )
+    return axes[0]
+
+
+def read_diameters(path: Path) -> Float[Array, " antenna"]:
+    """Read the diameter of each antenna's dish [m]; 0 where it is not given."""
+    with open_table(path, "ANTENNA") as table, casacore_errors(path, "ANTENNA"):
+        return np.asarray(table.getcol("DISH_DIAMETER"), float)
 
 
 def _descriptions(path: Path) -> tuple[DataDescription, ...]:

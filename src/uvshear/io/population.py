@@ -13,21 +13,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeAlias
 
-from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
-from uvshear.estimators.evidence import UnlensedPopulation
-from uvshear.estimators.population_fit import FittedPopulation
-from uvshear.galaxy import DiscEllipticityPrior
+from uvshear.estimators.population import PARAMETERS, UnlensedPopulation, unit_of
 from uvshear.io.records import finite, read_record
-
-_FIELDS = {
-    "flux": {"index": "index", "minimum_ujy": "minimum", "maximum_ujy": "maximum"},
-    "size": {name: name for name in ("intercept", "slope", "sigma")},
-    "ellipticity": {name: name for name in ("c", "e0", "maximum")},
-}
-"""Names in the file of each part's parameters."""
 
 _RANGES = {
     "index": (-10.0, 10.0),
@@ -41,42 +30,14 @@ _RANGES = {
 
 _ERROR = "_err"
 
-PopulationRecord: TypeAlias = dict[str, dict[str, float]]
-"""Parameters by part and name, as the file has them."""
-
-
-def _unit(name: str) -> float:
-    return MICROJANSKY if name.endswith("_ujy") else 1.0
-
-
-def population_record(population: UnlensedPopulation) -> PopulationRecord:
-    """Numbers of a population for a file; ellipticities of another kind than the paper's are left out."""
-    record: PopulationRecord = {}
-    for part, fields in _FIELDS.items():
-        one = getattr(population, part)
-        if part != "ellipticity" or isinstance(one, DiscEllipticityPrior):
-            record[part] = {name: getattr(one, its) / _unit(name) for name, its in fields.items()}
-    return record
-
-
-def fitted_record(found: FittedPopulation) -> PopulationRecord:
-    """Numbers of a fitted population, with the errors of what was fitted."""
-    record = population_record(found.population)
-    errors = [math.sqrt(value) for value in found.covariance.diagonal()]
-    # Of the size itself, not of its logarithm's scatter: the first parameter is the intercept.
-    places = [("size", "intercept"), ("size", "sigma"), ("ellipticity", "c"), ("ellipticity", "e0")]
-    for k, (error, (part, name)) in enumerate(zip(errors, places, strict=False)):
-        record[part][name + _ERROR] = error * (1.0 if k == 0 else record[part][name])
-    return record
-
 
 def read_population(path: Path) -> UnlensedPopulation:
     """Read a population: a file of its own, or of a shear that has it as ``population``."""
     record = read_record(path, "a population")
     parts = record.get("population", record)
-    if not isinstance(parts, dict) or (unknown := sorted(set(parts) - set(_FIELDS))):
+    if not isinstance(parts, dict) or (unknown := sorted(set(parts) - set(PARAMETERS))):
         strange = f"has '{unknown[0]}'" if isinstance(parts, dict) else "has no parts"
-        raise InputError(f"{path}: {strange}; a population has {', '.join(_FIELDS)}")
+        raise InputError(f"{path}: {strange}; a population has {', '.join(PARAMETERS)}")
     population = UnlensedPopulation()
     for part, values in parts.items():
         given = _values(path, part, values)
@@ -90,7 +51,7 @@ def read_population(path: Path) -> UnlensedPopulation:
 
 def _values(path: Path, part: str, values: object) -> Mapping[str, float]:
     """Parameters of a part, as their class has them."""
-    fields = _FIELDS[part]
+    fields = PARAMETERS[part]
     if not isinstance(values, dict):
         raise InputError(f"{path}: '{part}' is no object of {', '.join(fields)}")
     found = {}
@@ -106,5 +67,5 @@ def _values(path: Path, part: str, values: object) -> Mapping[str, float]:
             raise InputError(
                 f"{path}: '{part}' has {value:g} as '{name}'; it lies between {low:g} and {high:g}"
             )
-        found[fields[name]] = value * _unit(name)
+        found[fields[name]] = value * unit_of(name)
     return found

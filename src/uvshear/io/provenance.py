@@ -1,14 +1,29 @@
-"""What a table says about how it was made."""
+"""What a file says about how it was made."""
 
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from importlib.metadata import version
+from typing import ClassVar
 
 
 @dataclass(frozen=True)
 class Provenance:
-    """How a table was made: the command, the files it read, the options that shaped it."""
+    """How a file was made.
+
+    Parameters
+    ----------
+    command
+        The command or the function.
+    inputs
+        The files that it read.
+    options
+        The options that shaped the result.
+    """
+
+    KEYS: ClassVar = ("version", "command", "inputs", "options", "date")
+    """Names in the metadata of a table."""
 
     command: str
     inputs: tuple[str, ...] = ()
@@ -21,9 +36,24 @@ class Provenance:
             "command": self.command.encode("ascii", "backslashreplace").decode(),
             "inputs": ascii_text(list(self.inputs)),
             "options": ascii_text(dict(self.options)),
+            "date": _now(),
+        }
+
+    def record(self) -> dict[str, object]:
+        """Return it as names and values for a JSON file."""
+        return {
+            "version": version("uvshear"),
+            "command": self.command,
+            "inputs": list(self.inputs),
+            "options": json.loads(ascii_text(dict(self.options))),
+            "date": _now(),
         }
 
 
 def ascii_text(value: object) -> str:
-    """Numbers, words, lists and mappings as JSON in ASCII, which every table format keeps."""
+    """Write numbers, words, lists and mappings as JSON in ASCII, which every table format keeps."""
     return json.dumps(value, default=str)
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -1,6 +1,7 @@
 """The table of measured shapes: its columns, their units, and how it is written and read."""
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -153,12 +154,33 @@ def inside(table: Table, name: str) -> Float[Array, " source"]:
     return filled * COLUMNS[name].inside
 
 
+def metadata(table: Table) -> dict[str, object]:
+    """Return the metadata of a table by their names in small letters; FITS has them in capitals."""
+    return {str(name).lower(): value for name, value in table.meta.items()}
+
+
+def extraction_record(table: Table) -> Mapping[str, object]:
+    """Tell how the sources of a table of shapes were told apart; empty where it does not say."""
+    try:
+        record = json.loads(str(metadata(table).get("extract", "{}")))
+    except ValueError:
+        return {}
+    return record if isinstance(record, dict) else {}
+
+
 def averages_cells(table: Table) -> bool:
     """Whether a table of shapes says that it is of facets which average in cells, the paper's."""
-    # FITS has keys in capitals.
-    meta = {str(name).lower(): value for name, value in table.meta.items()}
+    return extraction_record(table).get("averages_cells") is True
+
+
+def phase_centre_of(table: Table) -> PhaseCentre:
+    """Phase centre of the axes l and m of a table of shapes."""
+    known = metadata(table)
     try:
-        record = json.loads(str(meta.get("extract", "{}")))
-    except ValueError:
-        return False
-    return isinstance(record, dict) and record.get("averages_cells") is True
+        ra, dec = (math.radians(float(str(known[name]))) for name in ("ra0_deg", "dec0_deg"))
+    except (KeyError, ValueError) as error:
+        raise InputError(
+            "the table of shapes does not say its phase centre (ra0_deg and dec0_deg of its metadata), by which its"
+            " ellipticities are turned to local North; a table written by `uvshear measure` does"
+        ) from error
+    return PhaseCentre(ra, dec)

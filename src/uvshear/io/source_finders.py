@@ -1,8 +1,8 @@
 """Catalogues as source finders write them, in the columns that this package knows.
 
-What a finder fits is a Gaussian in an image. Its size without the beam's says how large a disc is: both have half of
-their flux inside the half-light radius, FWHM/2 of a Gaussian and 1.678 scale lengths of an exponential disc. A source
-that the finder does not resolve is a point.
+A finder fits a Gaussian in an image. Its deconvolved size tells the scale length of a disc: half of the flux lies
+inside the half-light radius, which is FWHM/2 of a Gaussian and 1.678 scale lengths of an exponential disc. A source
+that the finder does not resolve is a point source.
 """
 
 from abc import ABC, abstractmethod
@@ -18,31 +18,42 @@ FWHM_OF_SCALE_LENGTH = 2 * 1.6783469900166605
 """Full width at half maximum of a Gaussian over the scale length of a disc of the same half-light radius."""
 
 
-ADDED = frozenset({"scale_length", "profile", "spectral_index", "reference_frequency", "e1", "e2"})
-"""Columns of ours that a finder's table may have besides its own."""
+ADDED = frozenset(
+    {
+        "scale_length",
+        "profile",
+        "spectral_index",
+        "reference_frequency",
+        "e1",
+        "e2",
+        "shear1",
+        "shear2",
+    }
+)
+"""Columns of this package that a user may have added to a source finder's table."""
 
 
 @dataclass(frozen=True)
 class SourceFinder(ABC):
-    """A finder: how its tables are told, and what its columns are.
+    """A source finder: how its tables are recognised, and what its columns mean.
 
     Parameters
     ----------
     signature
-        Columns that its tables have and others have not.
+        Columns by which its tables are recognised.
     columns
-        Our name of each of its columns, and the unit where a file gives none.
+        Name in this package of each of its columns, and the unit to assume where a file gives none.
     """
 
     signature: frozenset[str]
     columns: dict[str, tuple[str, units.UnitBase | None]] = field(default_factory=dict)
 
     def writes(self, table: Table) -> bool:
-        """Whether it is one of its tables."""
+        """Tell whether a table is one of this finder's."""
         return self.signature <= set(table.colnames)
 
     def translated(self, table: Table) -> Table:
-        """Return the table in our columns."""
+        """Return the table in the columns of this package."""
         found = Table(meta=table.meta)
         for theirs, (ours, unit) in self.columns.items():
             if theirs in table.colnames:
@@ -51,7 +62,7 @@ class SourceFinder(ABC):
                     column.unit = unit
                 found[ours] = column
         for name in table.colnames:
-            # What a user has added counts.
+            # Columns that a user has added take precedence.
             if name.lower() in ADDED and name not in found.colnames:
                 found[name.lower()] = table[name]
         width = self.deconvolved(table)
@@ -64,7 +75,7 @@ class SourceFinder(ABC):
 
     @abstractmethod
     def deconvolved(self, table: Table) -> Float[Array, " source"] | None:
-        """Return the geometric mean of the FWHM without the beam [arcsec], 0 if not resolved; None without sizes."""
+        """Return the geometric mean of the deconvolved FWHM [arcsec], 0 where not resolved; None without sizes."""
 
 
 class PyBDSF(SourceFinder):
@@ -86,7 +97,7 @@ class PyBDSF(SourceFinder):
         )
 
     def deconvolved(self, table: Table) -> Float[Array, " source"] | None:
-        """Its own deconvolution, DC_Maj and DC_Min."""
+        """Geometric mean of PyBDSF's own deconvolved axes, DC_Maj and DC_Min."""
         if not {"DC_Maj", "DC_Min"} <= set(table.colnames):
             return None
         long, short = (_in_arcsec(table[name], units.deg) for name in ("DC_Maj", "DC_Min"))
@@ -111,7 +122,7 @@ class Aegean(SourceFinder):
         )
 
     def deconvolved(self, table: Table) -> Float[Array, " source"]:
-        """Of the fitted a, b, pa and the beam's psf_a, psf_b, psf_pa."""
+        """Geometric mean of the axes of the fitted a, b, pa less the beam's psf_a, psf_b, psf_pa."""
         fitted, beam = (
             _covariance(*(table[f"{prefix}{name}"] for name in ("a", "b", "pa")))
             for prefix in ("", "psf_")
@@ -124,7 +135,7 @@ SOURCE_FINDERS: tuple[SourceFinder, ...] = (PyBDSF(), Aegean())
 
 
 def in_our_columns(table: Table) -> Table:
-    """Return a source finder's table in the columns that this package knows, any other as it is."""
+    """Return a source finder's table in the columns of this package, and any other table as it is."""
     for finder in SOURCE_FINDERS:
         if finder.writes(table):
             return finder.translated(table)
@@ -134,7 +145,7 @@ def in_our_columns(table: Table) -> Table:
 def _mean_width(
     long: Float[Array, " source"], short: Float[Array, " source"]
 ) -> Float[Array, " source"]:
-    """Geometric mean of the axes; the short one is no less than half of the long one, which alone may be resolved."""
+    """Geometric mean of the axes, the short one taken as half of the long one or more: it may not be resolved."""
     return np.sqrt(long * np.maximum(short, 0.5 * long))
 
 

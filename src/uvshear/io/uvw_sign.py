@@ -1,4 +1,4 @@
-"""Whether a file's baselines run the way its antenna positions say; nothing is flipped."""
+"""Comparison of the baselines in a Measurement Set with its antennas' positions; nothing is changed."""
 
 from pathlib import Path
 from typing import Final
@@ -6,27 +6,24 @@ from typing import Final
 import numpy as np
 
 from uvshear.interferometer.coverage import antenna_uvw, sidereal_time
-from uvshear.io.measurement_set_header import casacore_errors, open_table, read_header
+from uvshear.io.measurement_set_header import Header, casacore_errors, open_table
 from uvshear.typing import Array, Float
 
 ROWS_COMPARED: Final = 256
-"""Rows spread over the set."""
+"""Number of rows, spread over the set, that are compared."""
 
 CLEAR: Final = 0.9
-"""Cosine of the angle between stored and computed baselines from which their sense is certain."""
+"""Cosine of the angle between stored and computed baselines above which the sign is certain."""
 
 
-def uvw_sign_agrees(
-    path: str | Path, column: str = "DATA", field: int | str | None = None
-) -> bool | None:
-    """Whether UVW is X(ANTENNA1) - X(ANTENNA2); False if the opposite, None if neither fits.
+def uvw_sign_agrees(path: Path, header: Header) -> bool | None:
+    """Whether UVW as stored is X(ANTENNA1) - X(ANTENNA2); False for the opposite, None if neither fits.
 
     Notes
     -----
-    Precession is left out: 0.4 degrees in 30 years, nothing beside a reversal.
+    Precession is left out: 0.4 degrees in 30 years are nothing beside a reversal.
     """
-    header = read_header(Path(path), column, field)
-    with open_table(Path(path)) as main, casacore_errors(Path(path), "UVW"):
+    with open_table(path) as main, casacore_errors(path, "UVW"):
         rows = np.unique(np.linspace(0, header.rows - 1, ROWS_COMPARED).astype(int))
         chosen = main.selectrows(rows)
         stored = np.asarray(chosen.getcol("UVW"), dtype=float)
@@ -37,7 +34,7 @@ def uvw_sign_agrees(
             if header.is_only_field
             else chosen.getcol("FIELD_ID") == header.field_id
         )
-    with open_table(Path(path), "ANTENNA") as antennas, casacore_errors(Path(path), "ANTENNA"):
+    with open_table(path, "ANTENNA") as antennas, casacore_errors(path, "ANTENNA"):
         positions = np.asarray(antennas.getcol("POSITION"), dtype=float)
     hour_angle = sidereal_time(time) - header.phase_centre.ra
     computed = np.array(

@@ -66,7 +66,7 @@ def predict_visibilities(
             factor = None
             if losses is not None:
                 samples = losses.samples(uvw, frequency, rows, chan)
-                factor = partial(losses.attenuation.of, samples)
+                factor = partial(losses.attenuation.factor, samples)
             vis[rows, chan] = _predict_slab(sky, block, chan, profile, factor)
 
     for _ in executor.map(fill, range(0, len(uvw), SLAB)):

@@ -87,7 +87,7 @@ class Response:
             distance = np.hypot(galaxies.l, galaxies.m)
             outermost = galaxies.select(np.argsort(distance)[-_OUTERMOST:])
             remaining = (
-                attenuation.of(probes, *place).min()
+                attenuation.factor(probes, *place).min()
                 for place in zip(outermost.l.tolist(), outermost.m.tolist(), strict=True)
             )
             if min(remaining, default=1.0) > 1 - 1e-5:
@@ -117,7 +117,7 @@ class Response:
             ratio = samples.frequency / self.reference_frequency
             factor = (ratio ** (index - self.index)).astype(np.float32)
         if self.attenuation is not None:
-            factor = factor * self.attenuation.of(samples, l, m).astype(np.float32)
+            factor = factor * self.attenuation.factor(samples, l, m).astype(np.float32)
         return factor
 
     def strengths(self, galaxies: Galaxies) -> Float[Array, " source"]:
@@ -138,11 +138,11 @@ class Response:
         """Filter that matches sources in a direction, besides the common power law; its root mean square is 1."""
         if self.attenuation is None:
             return 1.0
-        remaining = float(self._rms(self.attenuation.of(self._need_probes(), l, m)[:, None])[0])
+        remaining = float(self._rms(self.attenuation.factor(self._need_probes(), l, m)[:, None])[0])
         if remaining < FAINTEST:
             # Next to nothing is seen in this direction, and nothing modelled.
             return 1.0
-        return (self.attenuation.of(samples, l, m) / remaining).astype(np.float32)
+        return (self.attenuation.factor(samples, l, m) / remaining).astype(np.float32)
 
     def shared_factors(self, galaxies: Galaxies, shortest: float, longest: float) -> SharedFactors:
         """Own factors of sources in terms of a few, on baselines within a range [wavelengths]."""

@@ -10,7 +10,7 @@ from uvshear.galaxy.ellipticity_prior import DiscEllipticityPrior, EllipticityPr
 from uvshear.galaxy.flux import PowerLawFlux
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.size import SizeFluxRelation
-from uvshear.simulation.sky_region import Field
+from uvshear.simulation.sky_region import SkyRegion
 
 PAPER_DENSITY = 2.7 / ARCMIN**2
 """Galaxies between 10 and 200 uJy a steradian (Rivi & Miller 2018, section 3)."""
@@ -43,7 +43,7 @@ class Population:
             raise InputError(f"population: ring is {self.ring}; it is 1 or more")
 
 
-def expected_number(sky: Field, density: float, *, ring: int = 1) -> int:
+def expected_number(sky: SkyRegion, density: float, *, ring: int = 1) -> int:
     """Count galaxies of a density in a field, rounded to the nearest whole ring.
 
     The expectation, not a Poisson draw: a repeated simulation keeps its size.
@@ -59,7 +59,7 @@ def expected_number(sky: Field, density: float, *, ring: int = 1) -> int:
 
 
 def draw_population(
-    population: Population, sky: Field, *, number: int, rng: np.random.Generator
+    population: Population, sky: SkyRegion, *, number: int, rng: np.random.Generator
 ) -> Galaxies:
     """Draw galaxies, those of a ring one after the other.
 

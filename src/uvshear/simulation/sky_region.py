@@ -9,7 +9,7 @@ import numpy as np
 from uvshear.typing import Array, Float
 
 
-class Field(ABC):
+class SkyRegion(ABC):
     """A region of the (l, m) plane about the phase centre, filled uniformly."""
 
     @property
@@ -25,7 +25,7 @@ class Field(ABC):
 
 
 @dataclass(frozen=True)
-class SquareField(Field):
+class SquareField(SkyRegion):
     """Square of the given side [rad] along l and m."""
 
     side: float
@@ -44,7 +44,7 @@ class SquareField(Field):
 
 
 @dataclass(frozen=True)
-class DiscField(Field):
+class DiscField(SkyRegion):
     """Disc of the given radius [rad]."""
 
     radius: float

@@ -10,7 +10,7 @@ from uvshear.extraction.converged.major_cycle import Gridding, ModelledSky, gath
 from uvshear.extraction.converged.plan import VisitPlan, Wanted, plan_visit
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.interferometer.attenuation import Attenuation
-from uvshear.interferometer.summary import measure_extent
+from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
 from uvshear.predict.response import Response
@@ -62,7 +62,7 @@ class Visit:
         return gather_residuals(self.observation, self.plan, self.modelled(model), gridding)
 
     def modelled(self, model: Galaxies) -> ModelledSky:
-        response = Response.from_sky(model, measure_extent(self.observation).probes, self.attenuation)
+        response = Response.from_sky(model, summarise(self.observation).probes, self.attenuation)
         return ModelledSky(model, np.full(len(model), HALF_WIDTH), response, PROFILE)
 
 

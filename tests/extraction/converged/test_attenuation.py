@@ -45,7 +45,7 @@ def _sky(degrees):
 
 
 SKY = _sky(0.5)
-DISHES = AiryBeam.of_diameters(LAYOUT.diameters)
+DISHES = AiryBeam.from_diameters(LAYOUT.diameters)
 
 
 def _uvw(hours):

@@ -14,7 +14,7 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.samples import Samples
-from uvshear.interferometer.summary import Extent
+from uvshear.interferometer.summary import ObservationSummary
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.shapes.measurement import FitFlag
 
@@ -29,7 +29,7 @@ def _field(flux, uv_range):
     """Only what the choice looks at."""
     flux = np.asarray(flux) * MICROJANSKY
     count = len(flux)
-    extent = Extent(1, 1, uv_range.maximum, FREQUENCY, FREQUENCY, 1.0, NOBODY)
+    extent = ObservationSummary(1, 1, uv_range.maximum, FREQUENCY, FREQUENCY, 1.0, NOBODY)
     size = SizeFluxRelation().prior(flux)
     nowhere = np.zeros(count)
     sky = galaxies(nowhere, nowhere, flux, np.exp(size.log_median), nowhere + 0j)

@@ -134,7 +134,9 @@ def test_samples_of_a_band_are_the_direct_sum_over_galaxies(case, request):
     sky = SKY if case == "one_channel" else MIXED
     exact = predict_visibilities(sky, one.seen.uvw, one.seen.frequency, visits.PROFILE)
     for band, on_sky in zip(one.plan.bands, one.plan.tiles, strict=True):
-        samples = Samples.of(one.seen.with_stokes_i(exact), band.shortest, band.longest)
+        samples = Samples.from_visibilities(
+            one.seen.with_stokes_i(exact), band.shortest, band.longest
+        )
         got = predict_samples(samples, on_sky, band, one.modelled(sky), GRIDDING)
         assert len(samples) > 100
         # measured 2e-5 of the summed flux
@@ -227,7 +229,7 @@ def test_blocks_are_of_the_size_asked_for_but_the_last(one_channel, size):
     held = list(blocks(observation, 0.0, LONGEST, size))
     assert all(len(block) == size for block in held[:-1])
     assert 0 < len(held[-1]) <= size
-    joined, whole = Samples.join(held), Samples.of(part, 0.0, LONGEST)
+    joined, whole = Samples.join(held), Samples.from_visibilities(part, 0.0, LONGEST)
     np.testing.assert_array_equal(joined.uvw, whole.uvw)
     np.testing.assert_array_equal(joined.stokes_i, whole.stokes_i)
 

@@ -9,18 +9,18 @@ from tests.extraction.converged.major_cycles import GRIDDING, MIXED, PROFILE, no
 from tests.skies import vla
 from uvshear.extraction.converged.beams import gather_beams
 from uvshear.imaging import tiles
-from uvshear.interferometer.attenuation import BandwidthSmearing, TimeSmearing, Together
+from uvshear.interferometer.attenuation import BandwidthSmearing, CombinedAttenuation, TimeSmearing
 from uvshear.interferometer.primary_beam import AiryBeam
 from uvshear.interferometer.visibilities import Integrations
 from uvshear.predict import predict_visibilities
 from uvshear.predict.losses import Losses
 
 CHANNELS, WIDTH = np.array([1.1e9, 1.2e9]), np.array([6e6, 6e6])
-ATTENUATION = Together(
+ATTENUATION = CombinedAttenuation(
     (
         BandwidthSmearing(),
         TimeSmearing(vla("b")[1].dec),
-        AiryBeam.of_diameters(np.array([25.0])),
+        AiryBeam.from_diameters(np.array([25.0])),
     )
 )
 

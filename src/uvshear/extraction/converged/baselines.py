@@ -1,4 +1,4 @@
-"""Which baselines take part in the measurement of a field."""
+"""The baselines that take part in the measurement of a field."""
 
 import math
 from dataclasses import dataclass
@@ -15,10 +15,10 @@ ellipticity of a disc grows with the fourth power of the baseline there: for SKA
 a third of the visibilities."""
 
 LARGE_PERCENTILE = 99.0
-"""Of the galaxies' sizes, the one that counts as large."""
+"""Percentile of the galaxies' sizes that counts as large."""
 
 MOST_LEFT_OUT = 1 / 50
-"""Shortest baseline over the longest at most, where an array hardly resolves its galaxies."""
+"""Largest ratio of the shortest baseline to the longest, where an array hardly resolves its galaxies."""
 
 
 @dataclass(frozen=True)
@@ -28,11 +28,11 @@ class Baselines:
     Parameters
     ----------
     shortest, longest
-        Of all that are used.
+        Range of all baselines that are used.
     finest
-        That the pixels could carry, for the interaction of galaxies that the array does not resolve.
+        Longest baseline that the pixels could carry, for the interaction of galaxies that the array does not resolve.
     uv_max
-        Longest that tells anything of each source.
+        Longest baseline that tells anything of each source.
     """
 
     shortest: float
@@ -41,13 +41,13 @@ class Baselines:
     uv_max: Float[Array, " source"]
 
     @classmethod
-    def of(
+    def from_field(
         cls, field: Field, is_galaxy: Bool[Array, " source"], shortest: float | None
     ) -> "Baselines":
-        """Choose for the modelled sources of a field; ``shortest`` is found from their sizes unless given.
+        """Choose the baselines for the modelled sources of a field; their sizes tell ``shortest`` unless it is given.
 
         The short baselines of an array with a dense core give the beam a plateau of arcminutes. It tells hardly
-        anything of shapes but couples the fluxes of all sources on it, so that they settle slowly if at all.
+        anything of shapes but couples the fluxes of all sources on it, so that they converge slowly if at all.
         """
         size, members = field.size, field.modelled
         median, sigma = size.log_median[members], size.sigma[members]

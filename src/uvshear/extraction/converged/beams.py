@@ -3,23 +3,26 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
 from scipy import fft
 from scipy.ndimage import map_coordinates
 from scipy.spatial import cKDTree
 
-from uvshear.extraction.converged.major_cycle import Gridding, blocks, slabs
 from uvshear.imaging.cutout import Cutout
 from uvshear.imaging.tangent import TangentPlane
+from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
+from uvshear.predict.blocks import BlockAccumulator
+from uvshear.predict.gridded import Gridding, slabs
 from uvshear.predict.rendering import smooth_step
 from uvshear.predict.response import Response
 from uvshear.typing import Array, Float, Int
 
 SIZE = 704
-"""Pixels of a beam's side: 197 arcsec for SKA-Mid, the reach of what sources do to one another between visits."""
+"""Side of a beam's image [pixels]: 197 arcsec for SKA-Mid, the reach of the interaction between major cycles."""
 
 SPACING = math.radians(0.3)
 """Greatest distance between neighbouring directions, along l or m [rad]. Half of it stretches the beam by about
@@ -31,19 +34,21 @@ WIDE_BAND = 1 / 20
 the short baselines reaches: 730 arcsec for SKA-Mid."""
 
 NANOSECONDS = 200
-"""Cost of a sample and beam."""
+"""Cost of a sample in one beam [nanoseconds]."""
 
 
 @dataclass(frozen=True)
 class Beams:
-    """Dirty beams [Jy^-2] in some directions, and which of them each source takes.
+    """Dirty beams [Jy^-2] in some directions, and the one that each source takes.
 
     Parameters
     ----------
     images
-        Of each direction, on pixels of ``pixel`` [rad], the centre at (SIZE/2, SIZE/2).
+        Beam of each direction, on pixels of ``pixel`` [rad], the centre at (SIZE/2, SIZE/2).
     nearest
-        Direction of each source.
+        Number of the direction of each source.
+    pixel
+        Width of the pixels [rad].
     wide
         Coarse beam of the short baselines in one direction, on pixels of ``wide_pixel`` [rad].
     """
@@ -79,7 +84,7 @@ def coarse_spectrum(beam: Float[Array, "l m"]) -> Float[Array, "u v"]:
     spectrum = fft.rfft2(fft.ifftshift(beam)).real
     half = SIZE // 2
     rows = np.concatenate([spectrum[: half // 2], spectrum[-half // 2 :]])
-    # Four fine pixels to a coarse one.
+    # There are four fine pixels to a coarse one.
     return (rows[:, : half // 2 + 1] / 4).astype(np.float32)
 
 
@@ -88,43 +93,6 @@ def power_of(beam: Float[Array, "l m"], cutout: Cutout) -> Float[Array, " cell"]
     first = SIZE // 2 - cutout.size // 2
     square = slice(first, first + cutout.size)
     return cutout.transform(beam[square, square]).real
-
-
-def gather_beams(
-    observation: Observation,
-    lm: Float[Array, "source 2"],
-    uv_range: tuple[float, float],
-    pixel: float,
-    response: Response,
-    gridding: Gridding,
-    step: Callable[[float], None] | None = None,
-) -> Beams:
-    """Visit the visibilities for the beams around sources at ``lm``."""
-    nodes, nearest = directions(lm)
-    images = np.zeros((len(nodes), SIZE, SIZE), np.float32)
-    wide, wide_pixel = np.zeros((WIDE_SIZE, WIDE_SIZE), np.float32), pixel / WIDE_BAND
-    for samples in blocks(observation, *uv_range, gridding.block):
-        unit = (samples.weights * response.gain(samples.frequency) ** 2).astype(np.complex64)
-        short = samples.uv_distance < WIDE_BAND * uv_range[1]
-        for rows in slabs(int(short.sum())):
-            plane = TangentPlane.at(samples.uvw[short][rows], *nodes[0])
-            wide += plane.beam(unit[short][rows], WIDE_SIZE, wide_pixel, gridding.epsilon)
-        # Phased to the direction itself a beam has its centre there.
-        tasks = [(node, rows) for node in range(len(nodes)) for rows in slabs(len(samples))]
-
-        def image(
-            task: tuple[int, slice], samples: Samples = samples, unit: Array = unit
-        ) -> tuple[int, Float[Array, "l m"], int]:
-            node, rows = task
-            plane = TangentPlane.at(samples.uvw[rows], *nodes[node])
-            seen = unit[rows] * response.matched_filter(samples.select(rows), *nodes[node].tolist()) ** 2
-            return node, plane.beam(seen, SIZE, pixel, gridding.epsilon), len(plane.phase)
-
-        for node, part, count in gridding.executor.map(image, tasks):
-            images[node] += part
-            if step is not None:
-                step(NANOSECONDS * count)
-    return Beams(images, nearest, pixel, wide, wide_pixel)
 
 
 def directions(
@@ -138,3 +106,111 @@ def directions(
     _, index = cKDTree(lattice).query(lm)
     used, nearest = np.unique(index, return_inverse=True)
     return lattice[used], nearest.ravel()
+
+
+@dataclass(frozen=True)
+class BeamPlan:
+    """Beams that are to be gathered.
+
+    Parameters
+    ----------
+    nodes
+        Direction cosines of the beams.
+    nearest
+        Number of the direction of each source.
+    shortest, longest
+        Range of the baselines that take part [wavelengths].
+    pixel
+        Width of the pixels [rad].
+    """
+
+    nodes: Float[Array, "node 2"]
+    nearest: Int[Array, " source"]
+    shortest: float
+    longest: float
+    pixel: float
+
+    @classmethod
+    def around(
+        cls, lm: Float[Array, "source 2"], shortest: float, longest: float, pixel: float
+    ) -> Self:
+        """Plan the beams around sources at ``lm``."""
+        nodes, nearest = directions(lm)
+        return cls(nodes, nearest, shortest, longest, pixel)
+
+
+class BeamAccumulator(BlockAccumulator[Beams]):
+    """Dirty beams of all directions of a plan.
+
+    Parameters
+    ----------
+    plan
+        Directions, baselines and pixels.
+    response
+        Spectrum and attenuation of the sources.
+    gridding
+        Accuracy and resources.
+    on_work
+        Called after each beam with the work that it took [nanoseconds].
+    """
+
+    def __init__(
+        self,
+        plan: BeamPlan,
+        response: Response,
+        gridding: Gridding,
+        on_work: Callable[[float], None] | None = None,
+    ) -> None:
+        super().__init__(plan.shortest, plan.longest, gridding.block)
+        self._plan, self._response, self._gridding = plan, response, gridding
+        self._on_work = on_work
+        self._images = np.zeros((len(plan.nodes), SIZE, SIZE), np.float32)
+        self._wide = np.zeros((WIDE_SIZE, WIDE_SIZE), np.float32)
+        self._wide_pixel = plan.pixel / WIDE_BAND
+
+    def add_sums(self, later: Self) -> None:
+        """Add the beams of later visibilities."""
+        self._images += later._images
+        self._wide += later._wide
+
+    def total(self) -> Beams:
+        """Return the beams."""
+        plan = self._plan
+        return Beams(self._images, plan.nearest, plan.pixel, self._wide, self._wide_pixel)
+
+    def add_block(self, samples: Samples) -> None:
+        """Image the weights of a block in every direction."""
+        plan, response, gridding = self._plan, self._response, self._gridding
+        unit = (samples.weights * response.gain(samples.frequency) ** 2).astype(np.complex64)
+        self._add_short(samples, unit)
+
+        def image(task: tuple[int, slice]) -> tuple[int, Float[Array, "l m"], int]:
+            node, rows = task
+            # Phased to the direction itself a beam has its centre there.
+            plane = TangentPlane.at(samples.uvw[rows], *plan.nodes[node])
+            left = response.matched_filter(samples.select(rows), *plan.nodes[node].tolist())
+            beam = plane.beam(unit[rows] * left**2, SIZE, plan.pixel, gridding.epsilon)
+            return node, beam, len(plane.phase)
+
+        tasks = [(node, rows) for node in range(len(plan.nodes)) for rows in slabs(len(samples))]
+        for node, part, count in gridding.executor.map(image, tasks):
+            self._images[node] += part
+            if self._on_work is not None:
+                self._on_work(NANOSECONDS * count)
+
+    def _add_short(self, samples: Samples, unit: Array) -> None:
+        short = samples.uv_distance < WIDE_BAND * self._plan.longest
+        uvw, unit = samples.uvw[short], unit[short]
+        for rows in slabs(len(unit)):
+            plane = TangentPlane.at(uvw[rows], *self._plan.nodes[0])
+            self._wide += plane.beam(
+                unit[rows], WIDE_SIZE, self._wide_pixel, self._gridding.epsilon
+            )
+
+
+def gather_beams(
+    observation: Observation, plan: BeamPlan, response: Response, gridding: Gridding
+) -> Beams:
+    """Read the visibilities once, for the beams alone."""
+    (beams,) = accumulate(observation, [BeamAccumulator(plan, response, gridding)])
+    return beams

@@ -1,4 +1,4 @@
-"""Which sources overlap so much that they are fitted together."""
+"""Groups of sources that overlap so much that they are fitted together."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -9,13 +9,16 @@ OVERLAP = 3.0
 """Sources closer than this times the sum of their scale lengths are fitted together."""
 
 MOST_MEMBERS = 8
-"""Of a group; beyond that, the closest first, sources are fitted in turn."""
+"""Number of sources in a group at most. The closest are joined first; the others are fitted in turn."""
 
 
 def overlapping_groups(
     place: Float[Array, "source 2"], scale_length: Float[Array, " source"]
 ) -> list[list[int]]:
-    """Find groups of overlapping sources, single ones too, each in rising order, the groups by their first."""
+    """Divide sources into groups that overlap; a source on its own is a group of one.
+
+    Each group is in rising order, and so are the groups by their first member.
+    """
     group_of = list(range(len(place)))
     groups = {source: [source] for source in group_of}
     reach = 2 * OVERLAP * float(scale_length.max(initial=0.0))

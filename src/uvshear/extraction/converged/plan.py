@@ -1,4 +1,4 @@
-"""What a visit of the visibilities is to bring: bands, tiles, and a cutout for each source."""
+"""What a major cycle is to bring: bands of baselines, their tiles, and a cutout for each source."""
 
 import math
 from dataclasses import dataclass
@@ -11,26 +11,26 @@ from uvshear.imaging.tiles import Footprint, Tile, plan_tiles
 from uvshear.typing import Array, Float, Int
 
 SMALL = 0.67
-"""Longest baseline of a facet times a scale length two sigma below the prior's median. For SKA-Mid, what is left
+"""Longest baseline of a facet times a scale length two sigma below the prior's median. For SKA-Mid, what this leaves
 out is 1e-5 of the information on the ellipticity of a galaxy of median size, 5e-4 for half of that, 3e-3 for a
 third of it."""
 
 LADDER = 1.15
-"""Ratio of neighbouring widths: few, so that sources share cells and beams."""
+"""Ratio of neighbouring widths of facets. There are few widths, so that sources share cells and beams."""
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """What is wanted of each source; positions are those that facets are centred on.
+class FacetRequests:
+    """The facets that are wanted, one a source.
 
     Parameters
     ----------
     l, m
-        Direction cosines.
+        Direction cosines of the facets' centres.
     width
-        Of the facet [rad].
+        Width of each facet [rad].
     informative_uv_max
-        Longest baseline of the facet [wavelengths].
+        Longest baseline of each facet [wavelengths].
     """
 
     l: Float[Array, " source"]
@@ -40,23 +40,23 @@ class Wanted:
 
 
 @dataclass(frozen=True)
-class VisitPlan:
+class MajorCyclePlan:
     """Bands of baselines, their tiles, and the cutouts of the sources.
 
     Parameters
     ----------
     shortest, longest
-        Of the baselines that take part [wavelengths].
+        Range of the baselines that take part [wavelengths].
     bands
-        From the longest baselines down.
+        Bands from the longest baselines down.
     tiles
-        Of each band.
+        Tiles of each band.
     cutouts
-        Of each source.
+        Cutout of each source.
     place
         Lattice point (finest pixels) in the middle of each cutout, even in both coordinates.
     offset
-        From there to the source [rad].
+        Distance from there to the source [rad].
     """
 
     shortest: float
@@ -69,7 +69,7 @@ class VisitPlan:
 
     @property
     def pixel(self) -> float:
-        """The finest [rad]."""
+        """Width of the finest pixels [rad]."""
         return self.bands[0].pixel
 
     @property
@@ -77,34 +77,44 @@ class VisitPlan:
         """Number of the finest band that holds baselines: 0, or 1 where the longest are left out."""
         return int(len(self.bands) > 1 and self.longest <= self.bands[0].shortest)
 
+    @property
+    def has_all_baselines(self) -> bool:
+        """Whether the longest baselines take part."""
+        return self.top == 0
+
+    @property
+    def centres(self) -> Float[Array, "source 2"]:
+        """Direction cosines of the sources that the facets are centred on."""
+        return self.place * self.pixel + self.offset
+
     def band_of(self, distance: Float[Array, " sample"]) -> Int[Array, " sample"]:
-        """Tell the number of the band of each uv distance [wavelengths]."""
+        """Return the number of the band of each uv distance [wavelengths]."""
         edges = [band.shortest for band in self.bands[:-1]][::-1]
         return len(edges) - np.searchsorted(edges, distance, side="right")
 
 
-def plan_visit(
-    wanted: Wanted, shortest: float, longest: float, finest: float | None = None
-) -> VisitPlan:
-    """Plan for baselines from ``shortest`` to ``longest``, and pixels for ones as long as ``finest`` [wavelengths].
+def plan_major_cycle(
+    requests: FacetRequests, shortest: float, longest: float, finest: float | None = None
+) -> MajorCyclePlan:
+    """Plan for baselines from ``shortest`` to ``longest``, on pixels that could carry ``finest`` [wavelengths].
 
     Sources interact on pixels twice as wide as the finest: where an array does not resolve them, all of its baselines
     belong there, and ``finest`` is up to twice ``longest``.
     """
     finest = max(finest or longest, longest)
-    lm = np.column_stack([wanted.l, wanted.m])
-    span = float(np.ptp(lm, axis=0).max(initial=0.0)) + float(wanted.width.max(initial=0.0))
+    lm = np.column_stack([requests.l, requests.m])
+    span = float(np.ptp(lm, axis=0).max(initial=0.0)) + float(requests.width.max(initial=0.0))
     bands = octaves(shortest, finest, span)
     pixel = bands[0].pixel
-    steps = np.ceil(np.log(wanted.width / pixel) / math.log(LADDER) - 1e-9)
+    steps = np.ceil(np.log(requests.width / pixel) / math.log(LADDER) - 1e-9)
     sizes = [cutout_size(pixel * LADDER**step, pixel) for step in steps]
-    reach = np.minimum(wanted.informative_uv_max, longest)
-    # Cells end on a ladder too: sources of about one size share theirs.
+    reach = np.minimum(requests.informative_uv_max, longest)
+    # Cells end on a ladder too, so that sources of about one size share theirs.
     ends = longest * LADDER ** -np.floor(np.log(longest / reach) / math.log(LADDER) + 1e-9)
     cutouts = tuple(
         cutout(size, pixel, shortest, float(end)) for size, end in zip(sizes, ends, strict=True)
     )
     place = 2 * np.rint(lm / (2 * pixel)).astype(int)
-    footprint = Footprint(wanted.l, wanted.m, (np.array(sizes) / 2 + 2) * pixel)
+    footprint = Footprint(requests.l, requests.m, (np.array(sizes) / 2 + 2) * pixel)
     tiles = plan_tiles(footprint, pixel, len(bands))
-    return VisitPlan(shortest, longest, bands, tiles, cutouts, place, lm - place * pixel)
+    return MajorCyclePlan(shortest, longest, bands, tiles, cutouts, place, lm - place * pixel)

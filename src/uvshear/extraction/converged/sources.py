@@ -1,4 +1,4 @@
-"""One source of a converging sky: what it is expected to be, and its model on the cells of a facet."""
+"""A source of the sky model: its prior, its fit, and its model on the cells of a facet."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from uvshear.shapes.template import Template, moved
 from uvshear.typing import Array, Complex, Float
 
 RELEASE = 100.0
-"""Widening of a sky model's prior on e where no prior may have a part."""
+"""Factor by which a sky model's prior on e is widened where no prior may have a part."""
 
 
 @dataclass(frozen=True)
@@ -26,11 +26,11 @@ class ModelledSource(ABC):
     Parameters
     ----------
     prior
-        Of its shape.
+        Prior of its shape, flux and position in the sky model.
     profile
-        Of the galaxies of the field.
+        Brightness profile of the galaxies of the field.
     expected
-        What it is taken for where nothing better is known; its flux is that of the catalogue.
+        The source as it is taken where nothing better is known; its flux is that of the catalogue.
     """
 
     prior: ShapePrior
@@ -39,10 +39,10 @@ class ModelledSource(ABC):
 
     @abstractmethod
     def fit(self, facet: Facet, start: GalaxyFit | None) -> GalaxyFit | None:
-        """Most likely source; None where none was found."""
+        """Find the most likely source; None where none was found."""
 
     def model(self, fit: GalaxyFit, uv: Float[Array, "cell 2"]) -> Complex[Array, " cell"]:
-        """Visibilities of the source as fitted, on the cells of its facet [Jy]."""
+        """Predict the source as fitted on the cells of its facet [Jy]."""
         return Template(uv, self.profile).model(fit)
 
     def released(self) -> Self:
@@ -50,8 +50,8 @@ class ModelledSource(ABC):
         loose = self.prior.ellipticity_sigma * RELEASE
         return replace(self, prior=replace(self.prior, ellipticity_sigma=loose))
 
-    def after(self, fit: GalaxyFit, step: Float[Array, " 6"]) -> GalaxyFit:
-        """Return the source after a step in its parameters, no longer than can be believed."""
+    def after_step(self, fit: GalaxyFit, step: Float[Array, " 6"]) -> GalaxyFit:
+        """Return the source after a step in its parameters, shortened to what can be believed."""
         if fit.flux <= 0:
             return fit
         longest = np.array([0.5 * fit.flux, 0.3, 0.3, 0.4, *[self.prior.position_sigma / 2] * 2])
@@ -60,7 +60,10 @@ class ModelledSource(ABC):
         return replace(new, snr=fit.snr * new.flux / fit.flux)
 
     def refit(self, facet: Facet, starts: tuple[GalaxyFit | None, ...]) -> GalaxyFit:
-        """Best of the fits from several starts (None: from scratch); else the expected source at its best flux."""
+        """Return the best of the fits from several starts, where None starts from scratch.
+
+        If there is none, the expected source is returned at its best flux.
+        """
         fits = [fit for start in starts if (fit := self.fit(facet, start)) is not None]
         if fits:
             return max(fits, key=lambda fit: self._log_posterior(fit, facet))
@@ -84,7 +87,7 @@ class GalaxySource(ModelledSource):
     """A galaxy: flux, position, size and ellipticity are fitted."""
 
     def fit(self, facet: Facet, start: GalaxyFit | None) -> GalaxyFit | None:
-        """Most likely galaxy."""
+        """Find the most likely galaxy."""
         return fit_galaxy(facet, self.prior, self.profile, start)
 
 
@@ -93,5 +96,5 @@ class PointSource(ModelledSource):
     """A star or an active nucleus: flux and position are fitted."""
 
     def fit(self, facet: Facet, start: GalaxyFit | None) -> GalaxyFit | None:
-        """Most likely point source."""
+        """Find the most likely point source."""
         return fit_point(facet, self.prior, start)

@@ -1,12 +1,13 @@
 """Facets of Rivi & Miller 2018: visibilities phased to the source and averaged in square uv cells.
 
 The model is sampled at the cells' centres and not averaged, which is not the same thing (their section 4.1 says
-so) and costs 2 to 5 per cent of the ellipticity without any noise. Kept to reproduce the paper.
+so) and costs 2 to 5 per cent of the ellipticity without any noise. This is here to reproduce the paper.
 """
 
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
 
@@ -22,11 +23,11 @@ from uvshear.typing import Array, Float
 
 
 class CellRule(ABC):
-    """How many cells a facet has."""
+    """A rule for the number of cells of a facet."""
 
     @abstractmethod
     def cells(self, target: Target) -> int:
-        """Cells per side, even."""
+        """Return the number of cells to a side, an even one."""
 
 
 @dataclass(frozen=True)
@@ -41,20 +42,20 @@ class ScaleLengths(CellRule):
     number: float = 38.0
 
     def cells(self, target: Target) -> int:
-        """Cells per side."""
+        """Return the number of cells to a side."""
         uv_max = target.uv_range.maximum * target.galaxy.reference_frequency / target.frequency
         return 2 * math.ceil(uv_max * self.number * target.scale_length)
 
 
 @dataclass(frozen=True)
 class PaperTable(CellRule):
-    """Cells by flux density as in Table 1 of Rivi & Miller 2018."""
+    """Numbers of cells by flux density, as in Table 1 of Rivi & Miller 2018."""
 
     edges: tuple[float, ...] = (150e-6, 100e-6, 80e-6, 60e-6, 40e-6, 20e-6)
     sizes: tuple[int, ...] = (600, 550, 500, 460, 420, 350, 280)
 
     def cells(self, target: Target) -> int:
-        """Cells per side."""
+        """Return the number of cells to a side."""
         flux = float(target.galaxy.flux[0])
         return next(
             (
@@ -68,7 +69,7 @@ class PaperTable(CellRule):
 
 @dataclass(frozen=True)
 class CellAverageFacets(FacetMethod):
-    """Visibilities averaged in cells out to the longest baseline."""
+    """Facets of visibilities that are averaged in cells out to the longest baseline."""
 
     averages_cells = True
 
@@ -109,6 +110,10 @@ class _CellAverageBuilder(FacetBuilder):
             inside = (distance >= uv_range.minimum) & (distance <= longest)
             weights = residual.weights[:, chan] * inside
             add_to_cells(u, v, vis[:, chan], weights, gain, self._cell, self._sums, self._power)
+
+    def merge(self, later: Self) -> None:
+        self._sums += later._sums
+        self._power += later._power
 
     def facet(self, model: Galaxies) -> Facet:
         i, j = np.nonzero(self._power)

@@ -15,6 +15,7 @@ multiplies the residual only and the true model is a fixed point whatever the fa
 
 import math
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy import fft
@@ -90,7 +91,7 @@ class _ExactBuilder(FacetBuilder):
         # Outside the range there is nothing but what truncation spills: power of either sign.
         cells = half_plane(grid.size, grid.pixel, band.minimum, band.maximum)
         self._uv, self._multiplicity, self._kept = cells.uv, cells.multiplicity, cells.index
-        # The beam does not depend on any model: one round is enough, unless the facet has grown since.
+        # The beam does not depend on any model: one pass is enough, unless the facet has grown since.
         is_known = power is not None and len(power) == len(self._uv)
         self._power = np.asarray(power, float) if is_known else None
         self._beam = np.zeros((grid.size, grid.size))
@@ -138,6 +139,10 @@ class _ExactBuilder(FacetBuilder):
         half_width = self._grid.size * self._grid.pixel / 2
         w_max = float(np.abs(uvw[:, 2]).max() * frequency.max()) / SPEED_OF_LIGHT
         return math.pi * w_max * half_width**2 > LARGEST_PHASE
+
+    def merge(self, later: Self) -> None:
+        self._cutout += later._cutout
+        self._beam += later._beam
 
     def facet(self, model: Galaxies) -> Facet:
         uv, kept = self._uv, self._kept

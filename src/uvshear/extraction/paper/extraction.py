@@ -18,38 +18,39 @@ from uvshear.extraction.extraction import Extracted, Extraction, Setting
 from uvshear.extraction.field import Field
 from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable
 from uvshear.extraction.paper.facets import FacetMethod
-from uvshear.extraction.paper.sequential_pass import Sweep
+from uvshear.extraction.paper.paper_sky import PaperSky
+from uvshear.extraction.paper.sequential_pass import SequentialPass, batches
 from uvshear.interferometer.visibilities import Observation
-from uvshear.progress import Progress
+from uvshear.progress import Meter, Progress
 from uvshear.shapes.measurement import FitFlag
 
 BAD: Final = frozenset(
     {FitFlag.NO_PEAK, FitFlag.OFF_POSITION, FitFlag.NOT_CONVERGED, FitFlag.UNRELIABLE}
 )
-"""Flags that a better sky may take away; what the baselines do not tell stays untold."""
+"""Flags that a better sky may take away; a source that the baselines do not determine is not fitted again."""
 
 
 @dataclass(frozen=True)
 class PaperExtraction(Extraction):
-    """Sources in decreasing flux, side by side where they are far apart.
+    """Sources are fitted in decreasing flux, side by side where they are far apart.
 
     Parameters
     ----------
     facet
         Way of making facets; the paper's unless given.
-    rounds
-        Passes over the sources; the paper makes one. Those before the last improve the sky.
+    passes
+        Number of passes over the sources; the paper makes one. Those before the last improve the sky.
     separation
         Sources closer than this are fitted one after the other, the brighter first [rad].
     """
 
     facet: FacetMethod = field(default_factory=lambda: CellAverageFacets(PaperTable()))
-    rounds: int = 1
+    passes: int = 1
     separation: float = 60 * ARCSEC
 
     def __post_init__(self) -> None:
-        if self.rounds < 1:
-            raise InputError(f"{self.rounds} rounds; one or more are needed")
+        if self.passes < 1:
+            raise InputError(f"{self.passes} passes over the sources; one or more are needed")
 
     def extract(
         self,
@@ -61,28 +62,30 @@ class PaperExtraction(Extraction):
         """Measure every source, and the bad ones once more at the end."""
         if setting.model.primary_beam is not None:
             raise InputError("the paper's extraction has no primary beam; ConvergedExtraction has")
-        sweep = Sweep(observation, field, setting, facet=self.facet, progress=progress)
-        everything = sweep.batches(field.measured, self.separation)
-        sweep.expect(self.rounds * len(everything))
-        for _ in range(self.rounds - 1):
-            sweep.improve_sky(everything)
-        measurements = sweep.measure_shapes(everything)
+        meter = Meter(progress)
+        run = SequentialPass(observation, field, setting, self.facet, meter.add)
+        sky = PaperSky(field.sky)
+        order = batches(field, field.measured, self.separation)
+        meter.expect(self.passes * len(order) * field.summary.rows)
+        for _ in range(self.passes - 1):
+            sky = run.improve(sky, order)
+        sky, measurements = run.measure(sky, order)
         bad = [source for source, shape in measurements.items() if shape.flag in BAD]
         if bad:
-            put_aside = sweep.batches(np.array(bad), self.separation)
-            sweep.expect(len(put_aside))
-            sweep.forget(bad)
-            measurements |= sweep.measure_shapes(put_aside)
+            again = batches(field, np.array(bad), self.separation)
+            meter.expect(len(again) * field.summary.rows)
+            sky, second = run.measure(sky.without_starts(bad), again)
+            measurements |= second
         return Extracted(
             measurements=measurements,
-            sky=sweep.sky,
+            sky=sky.sky,
             uv_range=field.uv_range,
             record={
                 "extraction": "paper",
                 "facet": type(self.facet).__name__,
                 "averages_cells": self.facet.averages_cells,
-                "rounds": self.rounds,
-                "visits": sweep.visits,
+                "passes": self.passes,
+                "major_cycles": sky.major_cycles,
                 "fitted_again": len(bad),
                 "bad_again": sum(measurements[source].flag in BAD for source in bad),
             },

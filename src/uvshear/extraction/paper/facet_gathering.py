@@ -1,46 +1,76 @@
-"""One visit of the visibilities: everything modelled is subtracted, and facets are gathered."""
+"""One major cycle: everything modelled is subtracted from the visibilities, and facets of some sources are gathered."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from typing import Self
 
 import numpy as np
 
 from uvshear.execution import SERIAL, Executor
 from uvshear.extraction.paper.facets import FacetBuilder
 from uvshear.galaxy import Galaxies, Profile
-from uvshear.interferometer.visibilities import Observation, Visibilities
+from uvshear.interferometer.accumulate import Accumulator
+from uvshear.interferometer.facet import Facet
+from uvshear.interferometer.visibilities import Visibilities
 from uvshear.predict import predict_visibilities
 from uvshear.typing import Array, Int
 
 
-def gather_facets(
-    observation: Observation,
-    sky: Galaxies,
-    builders: Sequence[FacetBuilder],
-    members: Int[Array, " member"],
-    profile: Profile,
-    *,
-    executor: Executor = SERIAL,
-    on_chunk: Callable[[int], None] | None = None,
-) -> None:
-    """Feed the residual of every chunk to the builders of the sources ``members`` of ``sky``.
+class FacetAccumulator(Accumulator[list[Facet]]):
+    """Feeds the residual of every chunk to the builders of some sources of a sky.
 
-    Memory is that of one chunk and of the facets, whatever the number of rows. ``on_chunk`` hears the
-    number of rows of each chunk done.
+    Memory is that of one chunk and of the facets, whatever the number of rows.
+
+    Parameters
+    ----------
+    sky
+        All models.
+    builders
+        Builders of the facets.
+    members
+        Source of each builder, as an index of the sky.
+    profile
+        Brightness profile of the models.
+    executor
+        Runs builders side by side.
+    on_chunk
+        Called with the number of rows of each chunk.
     """
-    models = [sky.select(np.array([member])) for member in members]
-    for chunk in observation.chunks():
-        residual = subtract_sky(chunk, sky, profile, executor)
-        pairs = zip(builders, models, strict=True)
-        for _ in executor.map(partial(_add, residual), pairs):
+
+    def __init__(
+        self,
+        sky: Galaxies,
+        builders: Sequence[FacetBuilder],
+        members: Int[Array, " member"],
+        profile: Profile,
+        executor: Executor = SERIAL,
+        on_chunk: Callable[[int], None] | None = None,
+    ) -> None:
+        self._sky, self._profile, self._executor = sky, profile, executor
+        models = [sky.select(np.array([member])) for member in members]
+        self._pairs = list(zip(builders, models, strict=True))
+        self._on_chunk = on_chunk
+
+    def add(self, seen: Visibilities) -> None:
+        """Subtract all models from a chunk, and give the rest to the builders."""
+        residual = subtract_sky(seen, self._sky, self._profile, self._executor)
+
+        def feed(pair: tuple[FacetBuilder, Galaxies]) -> None:
+            builder, model = pair
+            builder.add(residual, model)
+
+        for _ in self._executor.map(feed, self._pairs):
             pass
-        if on_chunk is not None:
-            on_chunk(len(chunk))
+        if self._on_chunk is not None:
+            self._on_chunk(len(seen))
 
+    def merge(self, later: Self) -> None:
+        """Add the facets of later visibilities."""
+        for (builder, _), (other, _) in zip(self._pairs, later._pairs, strict=True):
+            builder.merge(other)
 
-def _add(residual: Visibilities, pair: tuple[FacetBuilder, Galaxies]) -> None:
-    builder, model = pair
-    builder.add(residual, model)
+    def result(self) -> list[Facet]:
+        """Return the facets, each with the source's own model put back."""
+        return [builder.facet(model) for builder, model in self._pairs]
 
 
 def subtract_sky(

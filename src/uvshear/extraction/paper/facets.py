@@ -1,13 +1,17 @@
-"""How the visibilities around a source become a facet: what every way of doing it offers."""
+"""The protocol of the ways in which visibilities around a source become a facet."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
+import numpy as np
+
+from uvshear.extraction.field import Field
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Visibilities
+from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Float
 
 INFORMATIVE = 2.5
@@ -28,9 +32,9 @@ class Target:
     uv_range
         Its maximum is finite: the longest baseline that is used.
     frequency
-        At which that baseline is so long: the highest [Hz].
+        Highest frequency, at which that baseline is so long [Hz].
     half_width
-        How far from its centre the galaxy is known to matter [rad]; 0 before it was fitted.
+        Distance from its centre up to which the galaxy is known to matter [rad]; 0 before it was fitted.
     """
 
     galaxy: Galaxies
@@ -38,6 +42,17 @@ class Target:
     uv_range: UvRange
     frequency: float
     half_width: float = 0.0
+
+    @classmethod
+    def from_field(cls, field: Field, source: int, fit: GalaxyFit | None = None) -> Self:
+        """Describe a source of a field; ``fit`` is what is known of it."""
+        return cls(
+            galaxy=field.sky.select(np.array([source])),
+            scale_length=float(np.exp(field.size.log_median[source])),
+            uv_range=field.uv_range,
+            frequency=field.summary.frequency,
+            half_width=fit.half_width if fit else 0.0,
+        )
 
     @property
     def informative_uv_max(self) -> float:
@@ -53,15 +68,19 @@ class FacetBuilder(ABC):
         """Take in a chunk from which all models were subtracted, that of the source (``model``) too."""
 
     @abstractmethod
+    def merge(self, later: Self) -> None:
+        """Add what another builder of the same facet has gathered."""
+
+    @abstractmethod
     def facet(self, model: Galaxies) -> Facet:
-        """Close: put the source's own ``model`` back and return the facet."""
+        """Put the source's own ``model`` back, and return the facet."""
 
 
 class FacetMethod(ABC):
     """A way of making facets."""
 
     averages_cells: ClassVar[bool] = False
-    """Whether visibilities are averaged in cells, which rounds galaxies."""
+    """Whether visibilities are averaged in cells, which makes galaxies rounder."""
 
     @abstractmethod
     def open(

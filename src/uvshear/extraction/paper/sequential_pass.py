@@ -1,154 +1,131 @@
 """Passes over the sources of a field in decreasing flux."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
 from uvshear.extraction.extraction import Setting
 from uvshear.extraction.field import Field
-from uvshear.extraction.paper.facet_gathering import gather_facets
-from uvshear.extraction.paper.facets import FacetMethod
+from uvshear.extraction.paper.facet_gathering import FacetAccumulator
+from uvshear.extraction.paper.facets import FacetMethod, Target
+from uvshear.extraction.paper.paper_sky import PaperSky
 from uvshear.extraction.schedule import fitting_levels
-from uvshear.extraction.sky import with_fitted
-from uvshear.galaxy import Galaxies
+from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import Observation
-from uvshear.progress import Progress
 from uvshear.shapes.measurement import GalaxyFit, ShapeMeasurement
 from uvshear.shapes.prior import ShapePrior
 from uvshear.shapes.shape import fit_galaxy, measure_shape
-from uvshear.typing import Array, Float, Int
+from uvshear.typing import Array, Int
 
 FACETS_AT_A_TIME = 64
+"""Number of facets that are gathered in one major cycle at most."""
 
 Batch = Int[Array, "_"]
-"""Sources that share a visit of the visibilities, as indices of the catalogue."""
+"""Sources that share a major cycle, as indices of the catalogue."""
 
-Result = TypeVar("Result")
+Fitted = TypeVar("Fitted")
 
 
-class Sweep:
-    """A sky that improves with every fit, one batch of sources after the other."""
+def batches(field: Field, sources: Int[Array, " chosen"], separation: float) -> list[Batch]:
+    """Order sources by flux where they are closer than ``separation`` [rad]; each batch is a major cycle."""
+    lm = np.column_stack([field.l, field.m])[sources]
+    levels = fitting_levels(lm, field.sky.flux[sources], separation)
+    return [
+        sources[level[first : first + FACETS_AT_A_TIME]]
+        for level in levels
+        for first in range(0, len(level), FACETS_AT_A_TIME)
+    ]
 
-    def __init__(
-        self,
-        observation: Observation,
-        field: Field,
-        setting: Setting,
-        *,
-        facet: FacetMethod,
-        progress: Progress | None,
-    ) -> None:
-        self._observation, self._field, self._setting = observation, field, setting
-        self._facet, self._progress = facet, progress
-        self._sky = field.sky
-        # What every round would gather again: 80 kB a source of median size.
-        self._power: dict[int, Float[Array, " cell"]] = {}
-        self._fits: dict[int, GalaxyFit] = {}
-        self._rows_done = self._rows_expected = self._visits = 0
 
-    @property
-    def sky(self) -> Galaxies:
-        """All sources of the catalogue, as they are known by now."""
-        return self._sky
+@dataclass(frozen=True)
+class SequentialPass:
+    """Fits batches of sources one after the other, each against the sky as the fits before have left it.
 
-    @property
-    def visits(self) -> int:
-        """How often the visibilities were gone through."""
-        return self._visits
+    Parameters
+    ----------
+    observation
+        The visibilities, which are read once for each batch.
+    field
+        The sources.
+    setting
+        What is believed of them, and the resources.
+    facet
+        Way of making facets.
+    on_rows
+        Called with the number of rows of each chunk that was read.
+    """
 
-    def batches(self, members: Int[Array, " member"], separation: float) -> list[Batch]:
-        """Order sources by flux where they are closer than ``separation`` [rad], a visit each batch."""
-        lm = np.column_stack([self._field.l, self._field.m])[members]
-        levels = fitting_levels(lm, self._field.sky.flux[members], separation)
-        return [
-            members[level[first : first + FACETS_AT_A_TIME]]
-            for level in levels
-            for first in range(0, len(level), FACETS_AT_A_TIME)
-        ]
+    observation: Observation
+    field: Field
+    setting: Setting
+    facet: FacetMethod
+    on_rows: Callable[[int], None]
 
-    def expect(self, visits: int) -> None:
-        """Tell of visits to come, for whoever watches."""
-        self._rows_expected += visits * self._field.extent.rows
+    def improve(self, sky: PaperSky, order: Iterable[Batch]) -> PaperSky:
+        """Fit every source once; return the better sky."""
+        for batch in order:
+            sky, fits = self._fit_batch(sky, batch, self._fit)
+            sky = sky.with_fits(self.field, batch.tolist(), fits)
+        return sky
 
-    def forget(self, sources: Sequence[int]) -> None:
-        """Look for these sources anew, wherever they were found before; in the sky they stay."""
-        for source in sources:
-            self._fits.pop(source, None)
-
-    def improve_sky(self, batches: Sequence[Batch]) -> None:
-        """Fit every source once for the sky model."""
-        for batch, fits in self._visit(batches, self._fit):
-            self._update(batch, fits)
-
-    def measure_shapes(self, batches: Sequence[Batch]) -> dict[int, ShapeMeasurement]:
-        """Fit every source once, and sample the posterior of its ellipticity."""
+    def measure(
+        self, sky: PaperSky, order: Iterable[Batch]
+    ) -> tuple[PaperSky, dict[int, ShapeMeasurement]]:
+        """Fit every source once and sample the posterior of its ellipticity; return the better sky, too."""
         measurements: dict[int, ShapeMeasurement] = {}
-        for batch, results in self._visit(batches, self._measure):
-            measurements.update(zip(batch.tolist(), results, strict=True))
-            self._update(batch, [result.best for result in results])
-        return measurements
+        for batch in order:
+            sky, shapes = self._fit_batch(sky, batch, self._measure)
+            measurements.update(zip(batch.tolist(), shapes, strict=True))
+            sky = sky.with_fits(self.field, batch.tolist(), [shape.best for shape in shapes])
+        return sky, measurements
 
-    def _visit(
+    def _fit_batch(
         self,
-        batches: Sequence[Batch],
-        fit: Callable[[int, Facet], Result],
-    ) -> Iterator[tuple[Batch, list[Result]]]:
-        """Go through the batches, fitting the sources of one side by side against the sky as it is then."""
-        for batch in batches:
-            facets = self._facets(batch)
-            pairs = zip(batch.tolist(), facets, strict=True)
-            yield batch, list(self._setting.resources.executor.map(lambda pair: fit(*pair), pairs))
+        sky: PaperSky,
+        batch: Batch,
+        fit: Callable[[int, Facet, GalaxyFit | None], Fitted],
+    ) -> tuple[PaperSky, Sequence[Fitted]]:
+        """Gather the facets of a batch in one major cycle, and fit its sources side by side."""
+        sources = batch.tolist()
+        facets = self._gather(sky, batch)
+        tasks = zip(sources, facets, strict=True)
+        fitted = self.setting.resources.executor.map(
+            lambda task: fit(*task, sky.fits.get(task[0])), tasks
+        )
+        return sky.with_facets(sources, facets), list(fitted)
 
-    def _fit(self, source: int, facet: Facet) -> GalaxyFit | None:
-        prior, start = self._prior(source), self._fits.get(source)
-        return fit_galaxy(facet, prior, self._setting.model.profile, start)
-
-    def _measure(self, source: int, facet: Facet) -> ShapeMeasurement:
-        prior, start = self._prior(source), self._fits.get(source)
-        trust = float(self._field.trust[source])
-        return measure_shape(facet, prior, self._setting.model.profile, start, information_fraction=trust)
-
-    def _prior(self, source: int) -> ShapePrior:
-        setting = self._setting
-        return self._field.prior(source, setting.model.position_radius, setting.model.ellipticity)
-
-    def _facets(self, batch: Batch) -> list[Facet]:
-        field, setting = self._field, self._setting
+    def _gather(self, sky: PaperSky, batch: Batch) -> list[Facet]:
+        profile, members = self.setting.model.profile, self.field.modelled
         builders = [
-            self._facet.open(
-                field.target(source, self._fits.get(source)),
-                setting.model.profile,
-                self._power.get(source),
+            self.facet.open(
+                Target.from_field(self.field, source, sky.fits.get(source)),
+                profile,
+                sky.power.get(source),
             )
             for source in batch.tolist()
         ]
-        gather_facets(
-            self._observation,
-            self._sky.select(field.modelled),
+        gathering = FacetAccumulator(
+            sky.sky.select(members),
             builders,
-            np.searchsorted(field.modelled, batch),
-            setting.model.profile,
-            executor=setting.resources.executor,
-            on_chunk=self._report,
+            np.searchsorted(members, batch),
+            profile,
+            self.setting.resources.executor,
+            self.on_rows,
         )
-        self._visits += 1
-        facets = [
-            builder.facet(self._sky.select(np.array([source])))
-            for source, builder in zip(batch, builders, strict=True)
-        ]
-        for source, facet in zip(batch.tolist(), facets, strict=True):
-            self._power[source] = facet.power.astype(np.float32)
+        (facets,) = accumulate(self.observation, [gathering])
         return facets
 
-    def _update(self, batch: Batch, fits: Sequence[GalaxyFit | None]) -> None:
-        """Let good fits into the sky; where there is none, what stood there stays."""
-        good = {s: fit for s, fit in zip(batch.tolist(), fits, strict=True) if fit is not None}
-        self._fits |= good
-        self._sky = with_fitted(self._sky, self._field, good)
+    def _fit(self, source: int, facet: Facet, start: GalaxyFit | None) -> GalaxyFit | None:
+        return fit_galaxy(facet, self._prior(source), self.setting.model.profile, start)
 
-    def _report(self, rows: int) -> None:
-        self._rows_done += rows
-        if self._progress is not None:
-            self._progress(self._rows_done, self._rows_expected)
+    def _measure(self, source: int, facet: Facet, start: GalaxyFit | None) -> ShapeMeasurement:
+        prior, profile = self._prior(source), self.setting.model.profile
+        correction = float(self.field.weight_correction[source])
+        return measure_shape(facet, prior, profile, start, information_fraction=correction)
+
+    def _prior(self, source: int) -> ShapePrior:
+        model = self.setting.model
+        return self.field.prior(source, model.position_radius, model.ellipticity)

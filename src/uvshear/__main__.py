@@ -1,0 +1,5 @@
+"""``python -m uvshear``: the command line."""
+
+from uvshear.cli import main
+
+main()

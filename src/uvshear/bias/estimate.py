@@ -1,0 +1,74 @@
+"""The bias of an estimator on galaxies that are simulated for it."""
+
+import cmath
+import math
+from collections.abc import Sequence
+
+from uvshear.bias.crowded import estimate_crowded_bias
+from uvshear.bias.fit import Bias
+from uvshear.bias.isolated import estimate_isolated_bias
+from uvshear.bias.survey import Survey
+from uvshear.estimators import estimator_of
+from uvshear.estimators.registry import EstimatorLike
+from uvshear.execution import Resources
+from uvshear.galaxy import Galaxies
+from uvshear.interferometer.visibilities import VisibilitySet
+from uvshear.io.catalogue import catalogue_from_galaxies
+from uvshear.pipeline.measure import measure
+from uvshear.pipeline.measurement import Measurement
+from uvshear.progress import Progress
+
+
+def estimate_bias(
+    estimator: EstimatorLike,
+    *,
+    galaxies: int,
+    shear: float | Sequence[complex] = 0.02,
+    seed: int = 1,
+    survey: Survey | None = None,
+    density: float | None = None,
+    resources: Resources | None = None,
+    progress: Progress | None = None,
+) -> Bias:
+    """Bias m and c of an estimator, in total and by flux, in the frame of the sky.
+
+    Parameters
+    ----------
+    estimator
+        Estimator of the shear, or its name.
+    galaxies
+        Number of galaxies, each measured four times behind each shear; eight times without one.
+    shear
+        Modulus of two opposite shears along g1 = g2, 0 for the additive bias alone; or shears that add up to zero.
+    seed
+        Seed of galaxies and noise.
+    survey
+        What is observed and which galaxies are counted; an SKA-Mid track of 8 h and the paper's population unless
+        given.
+    density
+        Galaxies of a square arcminute that are together in the beam and measured as a crowded field; None measures
+        each alone.
+    resources
+        What may be used of the machine.
+    """
+    resources = resources or Resources()
+    method = estimator_of(estimator)
+    known = survey or Survey.of_the_paper()
+    shears = opposite_shears(shear) if isinstance(shear, int | float) else tuple(shear)
+    if density is None:
+        experiment = known.isolated(shears, seed, resources.executor)
+        return estimate_isolated_bias(experiment, method, galaxies, resources.executor, progress)
+
+    def measured(observation: VisibilitySet, lensed: Galaxies) -> Measurement:
+        catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)
+        return measure(observation, catalogue, keep=(method,), resources=resources)
+
+    crowd = known.crowd(shears, galaxies, density, seed, resources.executor)
+    (bias,) = estimate_crowded_bias(crowd, [method], measured, progress)
+    return bias
+
+
+def opposite_shears(modulus: float, orientations: int = 2) -> tuple[complex, ...]:
+    """Shears of one modulus in directions equally spaced, the first at 22.5 deg; no shear is one shear of zero."""
+    angles = [math.pi / 4 + 2 * math.pi * k / orientations for k in range(orientations)]
+    return tuple(cmath.rect(modulus, angle) for angle in angles) if modulus else (0j,)

@@ -1,0 +1,158 @@
+"""Multiplicative and additive bias of an estimator, from the shears that it finds.
+
+The same galaxies stand behind opposite shears, with the same noise: the difference of the two is free of most of both.
+Each galaxy is seen with e and with -e, and with its noise and the opposite noise: intrinsic shapes and noise cancel in
+the sum, which shows the additive bias.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from uvshear.errors import InputError
+from uvshear.estimators.shear_estimate import SKY
+from uvshear.estimators.uncertainty import jackknife_error
+from uvshear.typing import Array, Bool, Float
+
+LEAST_BLOCKS = 2
+"""Blocks of galaxies that an error needs."""
+
+
+@dataclass(frozen=True)
+class Bias:
+    """Bias of an estimator: g measured = (1 + m) g + c, component by component, with jackknife errors.
+
+    Parameters
+    ----------
+    name
+        Name of the galaxies: "all", or their bin of flux.
+    m, m_err, c, c_err
+        Multiplicative and additive bias of both components; m is NaN where there was no shear.
+    response
+        Response of the estimator's terms to both components, a galaxy with all of its measurements: it weighs galaxies
+        of different fluxes in a total.
+    n
+        Number of galaxies, each measured several times.
+    failed
+        Number of measurements that failed, and are left out.
+    bins
+        Bias of the galaxies of each bin of flux.
+    frame
+        Frame of the components: "sky" is that of local North.
+    """
+
+    name: str
+    m: Float[Array, " 2"]
+    m_err: Float[Array, " 2"]
+    c: Float[Array, " 2"]
+    c_err: Float[Array, " 2"]
+    response: Float[Array, " 2"]
+    n: int
+    failed: int = 0
+    bins: tuple["Bias", ...] = field(default=(), repr=False)
+    frame: str = SKY
+
+    def record(self) -> dict[str, float | int]:
+        """Return the numbers by name for a file; those that were not found are left out."""
+        numbers = {
+            f"{name}{i + 1}{suffix}": float(value[i])
+            for name, best, error in (("m", self.m, self.m_err), ("c", self.c, self.c_err))
+            for i in (0, 1)
+            for suffix, value in (("", best), ("_err", error))
+        }
+        found = {name: value for name, value in numbers.items() if np.isfinite(value)}
+        responses = {f"response{i + 1}": float(self.response[i]) for i in (0, 1)}
+        return found | responses | {"n": self.n, "failed": self.failed}
+
+    def __str__(self) -> str:
+        parts = [
+            f"{name}{i + 1} = {value[i]:+.5f} +- {error[i]:.5f}"
+            for name, value, error in (("m", self.m, self.m_err), ("c", self.c, self.c_err))
+            for i in (0, 1)
+            if np.isfinite(value[i])
+        ]
+        failures = f", {self.failed} measurements failed" if self.failed else ""
+        return f"{self.name}: {', '.join(parts)} ({self.n} galaxies{failures})"
+
+
+@dataclass(frozen=True)
+class TermSums:
+    """Sums of an estimator's terms over blocks of galaxies.
+
+    Parameters
+    ----------
+    values
+        Two numbers and four of their response, for each block and each shear.
+    n
+        Number of galaxies that tell something.
+    failed
+        Number of measurements that failed.
+    """
+
+    values: Float[Array, "block shear 6"]
+    n: int
+    failed: int = 0
+
+    @property
+    def is_told(self) -> Bool[Array, " block"]:
+        """Which blocks have a galaxy behind every shear."""
+        return np.all(np.any(self.values[..., 2:] != 0, axis=-1), axis=-1)
+
+
+def shears_from_sums(
+    values: Float[Array, "... shear 6"], about: Sequence[complex]
+) -> Float[Array, "... shear 2"]:
+    """Shears that sums of an estimator's terms (two numbers, and four of their response) come to."""
+    response = values[..., 2:].reshape(*values.shape[:-1], 2, 2)
+    if np.any(np.all(response == 0, axis=(-2, -1))):
+        raise InputError("no galaxy tells of the shear: none passes the cuts, or none was measured")
+    ratio = np.linalg.solve(response, values[..., :2, None])[..., 0]
+    return ratio + np.array([[g.real, g.imag] for g in about])
+
+
+def fit_bias(
+    sums: TermSums,
+    bins: Mapping[str, TermSums],
+    shears: Sequence[complex],
+    about: Sequence[complex],
+) -> Bias:
+    """Fit m and c of all galaxies and of each bin to ``shears`` that add up to zero.
+
+    Bins with galaxies in fewer than two blocks are left out.
+
+    Parameters
+    ----------
+    about
+        Shears about which the terms are expanded.
+    """
+    told = {name: part for name, part in bins.items() if part.is_told.sum() >= LEAST_BLOCKS}
+    parts = tuple(_fit(name, part, shears, about) for name, part in told.items())
+    return _fit("all", sums, shears, about, parts)
+
+
+def _fit(
+    name: str,
+    sums: TermSums,
+    shears: Sequence[complex],
+    about: Sequence[complex],
+    bins: tuple[Bias, ...] = (),
+) -> Bias:
+    values = sums.values[sums.is_told]
+    if len(values) < LEAST_BLOCKS:
+        raise InputError(
+            f"{name}: {sums.n} galaxies in {len(values)} blocks; more galaxies are needed for an error"
+        )
+    g = np.array([[shear.real, shear.imag] for shear in shears])
+    length = np.sum(g**2, axis=0)
+    length[length == 0] = np.nan
+
+    def fit(part: Float[Array, "... shear 6"]) -> Float[Array, "... 4"]:
+        found = shears_from_sums(part, about)
+        m = np.sum(g * found, axis=-2) / length - 1
+        return np.concatenate([m, found.mean(axis=-2)], axis=-1)
+
+    total = values.sum(axis=0)
+    best, error = fit(total), jackknife_error(fit(total - values))
+    response = total[:, [2, 5]].sum(axis=0) / sums.n
+    return Bias(name, best[:2], error[:2], best[2:], error[2:], response, sums.n, sums.failed, bins)

@@ -1,0 +1,58 @@
+"""Realisations of one galaxy whose averages are free of noise and of intrinsic shape."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Final
+
+from uvshear.bias.mock_facets import FacetNoise, FacetSimulator
+from uvshear.galaxy import Galaxies
+
+
+@dataclass(frozen=True)
+class Realisation:
+    """What is done to galaxies before they are lensed, and to their noise."""
+
+    galaxies: Callable[[Galaxies], Galaxies]
+    noise: Callable[[FacetSimulator, FacetNoise], FacetNoise]
+
+
+def _as_drawn(galaxies: Galaxies) -> Galaxies:
+    return galaxies
+
+
+def _crossed(galaxies: Galaxies) -> Galaxies:
+    return replace(galaxies, ellipticity=-galaxies.ellipticity)
+
+
+def _turned(galaxies: Galaxies) -> Galaxies:
+    return replace(galaxies, l=-galaxies.m, m=galaxies.l, ellipticity=-galaxies.ellipticity)
+
+
+def _same(simulator: FacetSimulator, noise: FacetNoise) -> FacetNoise:
+    del simulator
+    return noise
+
+
+def _negative(simulator: FacetSimulator, noise: FacetNoise) -> FacetNoise:
+    del simulator
+    return -noise
+
+
+OPPOSITE: Final = tuple(
+    Realisation(shape, noise) for shape in (_as_drawn, _crossed) for noise in (_same, _negative)
+)
+"""Ellipticities of both signs with noise of both signs: what is odd in either cancels."""
+
+
+def _turn(realisation: Realisation) -> Realisation:
+    return Realisation(
+        lambda galaxies: _turned(realisation.galaxies(galaxies)),
+        lambda simulator, noise: simulator.turned(realisation.noise(simulator, noise)),
+    )
+
+
+TURNED: Final = (*OPPOSITE, *(_turn(realisation) for realisation in OPPOSITE))
+"""All of these, and all of them turned by a right angle with their noise.
+
+Without a shear nothing is left but what the beam's own direction does: one galaxy tells as much of the additive bias as
+a hundred galaxies of the others."""

@@ -1,0 +1,60 @@
+"""The options of estimators of the shear, as several commands have them."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from uvshear.errors import InputError
+
+if TYPE_CHECKING:
+    from uvshear.estimators import Estimator
+
+NAMES: Final = "mean, moments, bayesian, metacal"
+"""The package's own estimators; those that other packages register are known too."""
+
+PAPER, FITTED = "paper", "fitted"
+PRIOR_METAVAR: Final = f"{PAPER}|{FITTED}|FILE"
+
+
+def estimator_named(
+    name: str,
+    *,
+    prior: str = PAPER,
+    wraps: str | None = None,
+    asked: dict[str, Any] | None = None,
+    seed: int = 1,
+) -> "Estimator":
+    """Return the estimator of a name with the settings of the options.
+
+    Parameters
+    ----------
+    prior
+        Population of the galaxies: the paper's, one fitted to the sample, or a file.
+    wraps
+        Estimator that is wrapped, with the same prior.
+    asked
+        Settings that the estimator must have.
+    """
+    from uvshear.estimators.registry import configured, estimator_of
+
+    estimator = estimator_of(name)
+    settings: dict[str, Any] = dict(asked or {})
+    if wraps is not None:
+        if not hasattr(estimator, "wrapped"):
+            raise InputError(f"--wraps {wraps}: --estimator {name} wraps no other; metacal does")
+        settings["wrapped"] = estimator_named(wraps, prior=prior, seed=seed)
+    elif prior != PAPER:
+        if not hasattr(estimator, "fits_population"):
+            raise InputError(f"--prior {prior}: --estimator {name} has no prior; bayesian has")
+        settings |= _population(prior)
+    return configured(estimator, asked=settings, offered={"seed": seed})
+
+
+def _population(prior: str) -> dict[str, object]:
+    from uvshear.io.population import read_population
+
+    if prior == FITTED:
+        return {"fits_population": True}
+    if not Path(prior).exists():
+        raise InputError(f"--prior {prior}: is neither {PAPER} nor {FITTED}, nor a file")
+    return {"population": read_population(Path(prior))}

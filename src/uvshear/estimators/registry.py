@@ -1,0 +1,74 @@
+"""Estimators by name."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final, TypeAlias, cast
+
+from uvshear.errors import InputError
+from uvshear.estimators.estimator import Estimator
+from uvshear.plugins import Registry
+
+ESTIMATORS: Final = Registry(
+    "estimator",
+    "uvshear.estimators",
+    {
+        "mean": "uvshear.estimators.mean:Mean",
+        "moments": "uvshear.estimators.moments:Moments",
+        "bayesian": "uvshear.estimators.bayesian:Bayesian",
+        "metacal": "uvshear.estimators.metacal:Metacal",
+    },
+    {"likelihood": "bayesian"},
+)
+"""Estimators of the package, and those that other packages register in the group ``uvshear.estimators``."""
+
+EstimatorLike: TypeAlias = str | Estimator | type[Estimator]
+"""An estimator, its class, or its name."""
+
+
+def estimator_of(given: EstimatorLike) -> Estimator:
+    """Return an estimator from itself, from its class, or from its name."""
+    found = ESTIMATORS.find(given) if isinstance(given, str) else given
+    if isinstance(found, type) and issubclass(found, Estimator):
+        found = found()
+    if not isinstance(found, Estimator):
+        raise InputError(
+            f"{given!r} is not an estimator of the shear; a name ({', '.join(ESTIMATORS.names())}), or an"
+            " uvshear.Estimator, is needed"
+        )
+    return found
+
+
+def estimators_of(given: EstimatorLike | Sequence[EstimatorLike]) -> tuple[Estimator, ...]:
+    """Return estimators from names joined by commas, or from a sequence of estimators, classes and names."""
+    parts = given.split(",") if isinstance(given, str) else given
+    if isinstance(parts, Estimator | type):
+        parts = (parts,)
+    found: dict[str, Estimator] = {}
+    for part in parts:
+        estimator = estimator_of(part.strip() if isinstance(part, str) else part)
+        found.setdefault(estimator.name, estimator)
+    return tuple(found.values())
+
+
+def configured(
+    estimator: Estimator,
+    *,
+    asked: Mapping[str, Any] | None = None,
+    offered: Mapping[str, Any] | None = None,
+) -> Estimator:
+    """Return the estimator with settings that its class has as fields.
+
+    Parameters
+    ----------
+    asked
+        Settings that somebody asked for: an estimator without such a field is refused.
+    offered
+        Settings that are taken where the estimator has such a field, and left alone elsewhere.
+    """
+    known = set(getattr(estimator, "__dataclass_fields__", {}))
+    for name in asked or {}:
+        if name not in known:
+            raise InputError(f"the estimator '{estimator.name}' has no setting '{name}'")
+    wanted = {name: value for name, value in (offered or {}).items() if name in known}
+    wanted |= dict(asked or {})
+    return cast(Any, replace)(estimator, **wanted) if wanted else estimator

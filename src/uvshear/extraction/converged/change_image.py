@@ -1,0 +1,63 @@
+"""The image of all changes of the sky since the last major cycle, seen through the beam."""
+
+from typing import Self
+
+import numpy as np
+
+from uvshear.extraction.converged.beams import SIZE
+from uvshear.extraction.converged.interaction import WINDOW, Interaction
+from uvshear.typing import Array, Complex, Float
+
+BLOCK = WINDOW
+"""Side of the blocks in which an image is copied [coarse pixels]."""
+
+
+class ChangeImage:
+    """Dirty image of what the sky has changed since the last major cycle; nothing at first.
+
+    It grows in place, for a copy would cost more than most changes; who wants to keep it takes a :meth:`copy` first.
+
+    Parameters
+    ----------
+    interaction
+        The beam of the last major cycle.
+    """
+
+    def __init__(self, interaction: Interaction) -> None:
+        self._interaction = interaction
+        self._places = interaction.plan.place // 2
+        margin = SIZE // 2
+        self._origin = self._places.min(axis=0) - margin
+        shape = self._places.max(axis=0) + margin + 1 - self._origin
+        # Zeros that nobody writes take no memory: places without sources cost nothing.
+        self._pixels = np.zeros(tuple(shape), np.float32)
+        self._plateau = np.zeros(len(self._places))
+
+    def copy(self) -> Self:
+        """Return an image of the same changes that grows by itself."""
+        other = type(self)(self._interaction)
+        first = (self._places - self._origin - WINDOW // 2) // BLOCK
+        corners = [first + corner for corner in ((0, 0), (0, 1), (1, 0), (1, 1))]
+        for i, j in np.unique(np.concatenate(corners), axis=0) * BLOCK:
+            block = slice(i, i + BLOCK), slice(j, j + BLOCK)
+            other._pixels[block] = self._pixels[block]
+        other._plateau = self._plateau.copy()
+        return other
+
+    def add(self, source: int, change: Float[Array, "l m"]) -> None:
+        """Add the rendered change of a source."""
+        i, j = self._places[source] - self._origin - WINDOW // 2
+        self._pixels[i : i + WINDOW, j : j + WINDOW] += change
+
+    def set_flux_changes(self, changes: Float[Array, " source"]) -> None:
+        """Set the change of every source's flux since the last major cycle [Jy]."""
+        self._plateau = self._interaction.far @ changes
+
+    def subtract_from(self, facet: Complex[Array, " cell"], source: int) -> None:
+        """Subtract all changes, those of the source too, from its residual facet (not yet recentred)."""
+        cutout = self._interaction.plan.cutouts[source]
+        half = cutout.size // 2
+        i, j = self._places[source] - self._origin - half // 2
+        cutout.add_coarse(self._pixels[i : i + half, j : j + half], -1.0, facet)
+        if cutout.shortest <= 0:
+            facet[cutout.origin] -= self._plateau[source]

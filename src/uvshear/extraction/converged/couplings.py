@@ -1,0 +1,153 @@
+"""How much the parameters of sources have to do with one another: blocks of their common Fisher matrix.
+
+The blocks between sources only have to point downhill, so they are taken from the shorter half of the baselines and end
+at some distance; beyond it, the plateau of the beam couples fluxes alone.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from uvshear.execution import Executor
+from uvshear.extraction.converged.interaction import Interaction
+from uvshear.galaxy import Profile
+from uvshear.shapes.measurement import GalaxyFit
+from uvshear.shapes.normal_equations import fisher_blocks
+from uvshear.shapes.template import PARAMETERS
+from uvshear.typing import Array, Float, Int
+
+
+@dataclass(frozen=True)
+class Couplings:
+    """Fisher matrix between sources, by its blocks.
+
+    Parameters
+    ----------
+    first, second
+        Pairs of sources near one another, each pair once (first < second).
+    blocks
+        Block of each pair, rows of the first and columns of the second.
+    own
+        Own block of each source from the same baselines: with them the matrix is positive.
+    far
+        Coupling of the fluxes of sources that are far from one another [Jy^-2].
+    flux
+        Fluxes of the sources that the blocks were worked out for [Jy].
+    """
+
+    first: Int[Array, " pair"]
+    second: Int[Array, " pair"]
+    blocks: Float[Array, "pair 6 6"]
+    own: Float[Array, "source 6 6"]
+    far: sparse.csr_matrix
+    flux: Float[Array, " source"]
+
+    def at_flux(self, flux: Float[Array, " source"]) -> Float[Array, "pair 6 6"]:
+        """Return the blocks for other fluxes [Jy]: all responses but that to the flux itself grow with them."""
+        ratio = self._grown(flux)
+        return self.blocks * (ratio[self.first][:, :, None] * ratio[self.second][:, None, :])
+
+    def own_at_flux(self, flux: Float[Array, " source"]) -> Float[Array, "source 6 6"]:
+        """Return the own blocks for other fluxes [Jy]."""
+        ratio = self._grown(flux)
+        return self.own * (ratio[:, :, None] * ratio[:, None, :])
+
+    def _grown(self, flux: Float[Array, " source"]) -> Float[Array, "source 6"]:
+        ratio = np.ones((len(flux), PARAMETERS))
+        is_there = (self.flux > 0) & (flux > 0)
+        ratio[is_there, 1:] = (flux[is_there] / self.flux[is_there])[:, None]
+        return ratio
+
+    def blocks_with_diagonal(
+        self,
+        own: Float[Array, "source 6 6"],
+        scale: Float[Array, "source 6"],
+        flux: Float[Array, " source"],
+    ) -> sparse.bsr_matrix:
+        """Return the matrix of all blocks, rows and columns divided by ``scale``; ``own`` are divided already."""
+        i, j = self.first, self.second
+        scaled = self.at_flux(flux) / (scale[i][:, :, None] * scale[j][:, None, :])
+        count = len(own)
+        diagonal = np.arange(count)
+        rows = np.concatenate([diagonal, i, j])
+        columns = np.concatenate([diagonal, j, i])
+        blocks = np.concatenate([own, scaled, scaled.swapaxes(1, 2)])
+        order = np.lexsort((columns, rows))
+        starts = np.searchsorted(rows[order], np.arange(count + 1))
+        shape = (count * PARAMETERS, count * PARAMETERS)
+        return sparse.bsr_matrix((blocks[order], columns[order], starts), shape=shape)
+
+
+def couple(
+    fits: Sequence[GalaxyFit], interaction: Interaction, profile: Profile, executor: Executor
+) -> Couplings:
+    """Work out the couplings of all sources as they are fitted."""
+    place, reach = interaction.plan.centres, interaction.reach
+
+    def work(task: tuple[list[int], list[int]]) -> tuple[list[int], Array]:
+        own, others = task
+        centre = place[own[0]]
+        members = own + others
+        blocks = fisher_blocks(
+            [tuple(place[k] - centre) for k in members],
+            [fits[k] for k in members],
+            profile,
+            interaction.short_plane_around(own[0]),
+            len(own),
+        )
+        return members, blocks
+
+    # Planes are worked out once, before several workers ask for them.
+    for source in np.unique(interaction.beams.nearest, return_index=True)[1].tolist():
+        interaction.short_plane_around(source)
+    first, second = [np.zeros(0, int)], [np.zeros(0, int)]
+    values = [np.zeros((0, PARAMETERS, PARAMETERS))]
+    own = np.zeros((len(place), PARAMETERS, PARAMETERS))
+    for members, blocks in executor.map(work, _boxes(place, reach)):
+        index = np.array(members)
+        apart = place[index][None, :] - place[index[: len(blocks)]][:, None]
+        a, b = np.nonzero(np.hypot(apart[..., 0], apart[..., 1]) <= reach)
+        own[index[: len(blocks)]] = np.einsum("iaib->iab", blocks[:, :, : len(blocks)])
+        kept = b > a
+        a, b = a[kept], b[kept]
+        swapped = index[a] > index[b]
+        block = blocks[a, :, b, :]
+        first.append(np.where(swapped, index[b], index[a]))
+        second.append(np.where(swapped, index[a], index[b]))
+        values.append(np.where(swapped[:, None, None], block.swapaxes(1, 2), block))
+    blocks = np.concatenate(values)
+    flux = np.array([fit.flux for fit in fits])
+    pairs = np.concatenate(first), np.concatenate(second)
+    return Couplings(*pairs, blocks, own, interaction.far, flux)
+
+
+def _boxes(place: Float[Array, "source 2"], side: float) -> Iterator[tuple[list[int], list[int]]]:
+    """Yield the sources of each square, and those of the four squares after it that touch it."""
+    square = np.floor(place / side).astype(int)
+    held: dict[tuple[int, int], list[int]] = {}
+    for source, (a, b) in enumerate(square.tolist()):
+        held.setdefault((a, b), []).append(source)
+    for a, b in sorted(held):
+        after = ((a, b + 1), (a + 1, b - 1), (a + 1, b), (a + 1, b + 1))
+        yield held[a, b], [source for key in after for source in held.get(key, [])]
+
+
+class CouplingBlocks:
+    """Blocks of the Fisher matrix by their sources, for the present fluxes."""
+
+    def __init__(self, couplings: Couplings, flux: Float[Array, " source"]) -> None:
+        self._blocks, self._own = couplings.at_flux(flux), couplings.own_at_flux(flux)
+        pairs = zip(couplings.first.tolist(), couplings.second.tolist(), strict=True)
+        self._place = {pair: k for k, pair in enumerate(pairs)}
+
+    def between(self, i: int, j: int) -> Float[Array, "6 6"] | None:
+        """Return the block with the rows of i and the columns of j; None where they are not coupled."""
+        if i == j:
+            return self._own[i]
+        if (k := self._place.get((i, j))) is not None:
+            return self._blocks[k]
+        if (k := self._place.get((j, i))) is not None:
+            return self._blocks[k].T
+        return None

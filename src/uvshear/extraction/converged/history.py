@@ -1,0 +1,70 @@
+"""How an extraction has converged, major cycle by major cycle."""
+
+from dataclasses import dataclass
+from typing import Self
+
+from uvshear.extraction.converged.minor_cycle import Moves, rms
+from uvshear.typing import Array, Float
+
+
+@dataclass(frozen=True)
+class History:
+    """The change of the sky in each major cycle, in units of the noise.
+
+    Parameters
+    ----------
+    change_rms, change_max
+        Change of the sources in each major cycle and its minor cycle, rms and largest.
+    moves
+        Largest moves within each minor cycle.
+    """
+
+    change_rms: tuple[float, ...] = ()
+    change_max: tuple[float, ...] = ()
+    moves: tuple[Moves, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.change_rms)
+
+    def with_cycle(self, change: Float[Array, " source"], moves: Moves) -> Self:
+        """Return the history with one more major cycle."""
+        return type(self)(
+            (*self.change_rms, rms(change)),
+            (*self.change_max, float(change.max())),
+            (*self.moves, moves),
+        )
+
+    @property
+    def left_undone(self) -> float:
+        """Change that another major cycle would bring, rms over the sources."""
+        return self.change_rms[-1] * self._shrinkage
+
+    @property
+    def left_undone_most(self) -> float:
+        """Largest change of a source that another major cycle would bring."""
+        return self.change_max[-1] * self._shrinkage
+
+    @property
+    def _shrinkage(self) -> float:
+        """Factor from one change to the next: changes shrink by about the same factor each time."""
+        if len(self) == 1:
+            return 1.0
+        before, last = self.change_rms[-2:]
+        return min(last / before, 1.0) if before > 0 else 0.0
+
+    def record(self) -> dict[str, object]:
+        """Return the numbers that are kept with the shapes."""
+        return {
+            "major_cycles": len(self),
+            "minor_cycles": [
+                [[round(change, 3) for change in pair] for pair in moves] for moves in self.moves
+            ],
+            "change_rms": _rounded(self.change_rms),
+            "change_max": _rounded(self.change_max),
+            "left_undone": round(self.left_undone, 4),
+            "left_undone_most": round(self.left_undone_most, 4),
+        }
+
+
+def _rounded(values: tuple[float, ...]) -> list[float]:
+    return [round(value, 4) for value in values]

@@ -1,0 +1,53 @@
+"""A sky whose sources move: the only thing of a minor cycle that changes."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from uvshear.execution import Executor
+from uvshear.extraction.converged.sky_state import SkyState
+from uvshear.shapes.measurement import GalaxyFit
+from uvshear.typing import Array, Float
+
+
+class MovingSky:
+    """Keeps the fits of all sources and the image of their changes in step.
+
+    Parameters
+    ----------
+    state
+        The sky to begin with; it stays as it is.
+    """
+
+    def __init__(self, state: SkyState) -> None:
+        self._now = replace(state, image=state.image.copy())
+
+    @property
+    def now(self) -> SkyState:
+        """The sky as it is now; it is good until the next move, for its image goes on with the sky."""
+        return self._now
+
+    def move(
+        self, sources: list[int], fits: Sequence[GalaxyFit], executor: Executor
+    ) -> Float[Array, " moved"]:
+        """Let sources be as fitted; return the change of each in units of the noise."""
+        now = self._now
+
+        def render(task: tuple[int, GalaxyFit]) -> tuple[float, Float[Array, "l m"]]:
+            source, fit = task
+            before, after = (now.placed(source, state) for state in (now.fits[source], fit))
+            return now.interaction.render(source, before, after)
+
+        after = list(now.fits)
+        change = np.zeros(len(sources))
+        tasks = list(zip(sources, fits, strict=True))
+        for k, (distance, rendered) in enumerate(executor.map(render, tasks)):
+            source, fit = tasks[k]
+            now.image.add(source, rendered)
+            after[source] = fit
+            change[k] = distance
+        pairs = zip(after, now.subtracted, strict=True)
+        now.image.set_flux_changes(np.array([new.flux - old.flux for new, old in pairs]))
+        self._now = replace(now, fits=tuple(after))
+        return change

@@ -1,0 +1,86 @@
+"""How the major cycles of one measurement are planned: wide enough facets, and the rough cycles first."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.extraction.converged.baselines import Baselines
+from uvshear.extraction.converged.beams import SIZE, BeamPlan
+from uvshear.extraction.converged.modelled_field import ModelledField
+from uvshear.extraction.converged.plan import FacetRequests, MajorCyclePlan, plan_major_cycle
+from uvshear.imaging.bands import OVERSAMPLING
+from uvshear.predict.gridded import ModelledSky
+from uvshear.shapes.measurement import GalaxyFit
+from uvshear.typing import Array, Float
+
+POINT_STAMP = 128
+"""Width to which a point source is drawn [finest pixels]: its image rings until the taper has worn off."""
+
+WIDEST = 0.8
+"""Width of a facet at most, over that of the beams."""
+
+
+@dataclass(frozen=True)
+class Planner:
+    """Plans the major cycles of a field.
+
+    Parameters
+    ----------
+    modelled
+        The modelled sources.
+    baselines
+        Baselines that take part.
+    scale_lengths
+        Width of a facet over the median scale length; it is wider for galaxies that were found to be larger.
+    """
+
+    modelled: ModelledField
+    baselines: Baselines
+    scale_lengths: float
+
+    @property
+    def pixel(self) -> float:
+        """Width of the finest pixels [rad]."""
+        return 1 / (2 * OVERSAMPLING * self.baselines.finest)
+
+    def plan(self, fits: Sequence[GalaxyFit]) -> MajorCyclePlan:
+        """Plan a major cycle with all baselines."""
+        used = self.baselines
+        return plan_major_cycle(self._requests(fits), used.shortest, used.longest, used.finest)
+
+    def plan_roughly(self, fits: Sequence[GalaxyFit]) -> MajorCyclePlan:
+        """Plan a major cycle without the longest baselines, the most expensive ones, if there are several bands."""
+        plan = self.plan(fits)
+        if len(plan.bands) == 1:
+            return plan
+        used = self.baselines
+        longest = min(plan.bands[0].shortest, used.longest)
+        return plan_major_cycle(self._requests(fits), used.shortest, longest, used.finest)
+
+    def plan_beams(self) -> BeamPlan:
+        """Plan the beams around the sources."""
+        used = self.baselines
+        return BeamPlan.around(self.modelled.centres, used.shortest, used.longest, self.pixel)
+
+    def subtracted(self, fits: Sequence[GalaxyFit]) -> ModelledSky:
+        """Return the sky that a major cycle subtracts, and how far from its centre each source is drawn."""
+        modelled = self.modelled
+        half = np.array([fit.half_width for fit in fits])
+        half = np.maximum(half, self.scale_lengths / 2 * modelled.median_size)
+        half = np.where(modelled.is_galaxy, half, POINT_STAMP / 2 * self.pixel)
+        sky = modelled.sky(fits).select(modelled.field.modelled)
+        return ModelledSky(sky, half, modelled.response, modelled.sources[0].profile)
+
+    def _requests(self, fits: Sequence[GalaxyFit]) -> FacetRequests:
+        l, m = self.modelled.centres.T
+        return FacetRequests(l, m, self._widths(fits), self.baselines.uv_max)
+
+    def _widths(self, fits: Sequence[GalaxyFit]) -> Float[Array, " source"]:
+        is_galaxy = self.modelled.is_galaxy
+        least = self.scale_lengths * self.modelled.median_size
+        narrowest = float(least[is_galaxy].min()) if is_galaxy.any() else math.inf
+        width = np.maximum(least, [2 * fit.half_width for fit in fits])
+        width = np.where(is_galaxy, width, narrowest)
+        return np.minimum(width, WIDEST * SIZE * self.pixel)

@@ -1,0 +1,58 @@
+"""The sky with next to no prior on ellipticities, from which statistics for the shear are taken.
+
+A prior holds a faint galaxy back, towards a circle, and all its neighbours, near and far, take a little of what it
+lacks: of its shape, and so of the shear.
+"""
+
+from dataclasses import replace
+
+from uvshear.execution import Executor
+from uvshear.extraction.converged.minor_cycle import rms, run_minor_cycle
+from uvshear.extraction.converged.moving_sky import MovingSky
+from uvshear.extraction.converged.sequential_pass import OnFit
+from uvshear.extraction.converged.sky_state import SkyState
+from uvshear.extraction.converged.sources import ModelledSource
+from uvshear.shapes.measurement import GalaxyFit
+from uvshear.shapes.template import difference
+
+RELEASES = 3
+"""Number of minor cycles of a released sky. Thirty galaxies, 17 to a square arcminute, lose 10.3 % of their moments
+with the prior, 3.0 % after one minor cycle, 1.0 % after two, 0.5 % after three with the step ahead, and 0.4 % after
+twelve."""
+
+FARTHEST_AHEAD = 1.0
+"""Longest step ahead of a released sky, over its last move."""
+
+
+def release(
+    state: SkyState, tolerance: float, executor: Executor, on_fit: OnFit
+) -> tuple[SkyState, tuple[float, ...]]:
+    """Let the sky converge without the prior on ellipticities; return it with the rms of its moves [noise].
+
+    Each minor cycle takes the sky about half of the way: a few of them are followed by a step ahead, to where their
+    moves tell that the others would lead.
+    """
+    now = replace(state, sources=tuple(source.released() for source in state.sources))
+    moves = []
+    before = now.fits
+    for _ in range(RELEASES):
+        before = now.fits
+        now, _ = run_minor_cycle(now, tolerance, executor, on_fit, afresh=False)
+        moves.append(rms(now.change_since(before)))
+    first, second = moves[-2:]
+    # Moves that do not shrink tell of no end.
+    far = min(second / (first - second), FARTHEST_AHEAD) if second < first else 0.0
+    ahead = [
+        _ahead(source, then, fit, far)
+        for source, then, fit in zip(now.sources, before, now.fits, strict=True)
+    ]
+    sky = MovingSky(now)
+    sky.move(list(range(len(ahead))), ahead, executor)
+    return sky.now, tuple(moves)
+
+
+def _ahead(source: ModelledSource, then: GalaxyFit, now: GalaxyFit, far: float) -> GalaxyFit:
+    """Return a source as far beyond ``now`` as it came from ``then``, times ``far``."""
+    if min(then.snr, now.snr) <= 0:
+        return now
+    return source.after_step(now, far * difference(now, then))

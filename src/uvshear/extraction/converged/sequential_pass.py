@@ -1,0 +1,81 @@
+"""One pass over the sources in decreasing flux among neighbours: the Gauss-Seidel iteration.
+
+Sources that are far apart are fitted side by side, each against what the last major cycle left, less what its
+neighbours have changed since. All at once, each by itself, would diverge; in turn the common likelihood never falls.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from uvshear.execution import Executor
+from uvshear.extraction.converged.moving_sky import MovingSky
+from uvshear.extraction.converged.sky_state import SkyState
+from uvshear.shapes.blend import Member, fit_group
+from uvshear.shapes.measurement import GalaxyFit
+from uvshear.typing import Array, Bool, Float
+
+OnFit = Callable[[], None]
+"""Called after each fit."""
+
+
+def fit_in_turn(
+    sky: MovingSky,
+    active: Bool[Array, " source"],
+    executor: Executor,
+    on_fit: OnFit,
+    *,
+    afresh: bool,
+) -> Float[Array, " source"]:
+    """Fit the active sources in turn, those that overlap together; return their changes in units of the noise.
+
+    ``afresh`` looks for the peak of every source from scratch, too, each source by itself: the steps of a group need a
+    start.
+    """
+    neighbourhood = sky.now.neighbourhood
+    everything = neighbourhood.singles if afresh else neighbourhood.units
+    units = [unit for unit in everything if active[unit].any()]
+    change = np.zeros(len(active))
+    for level in neighbourhood.levels(units):
+        before = sky.now
+
+        def fit(unit: list[int], now: SkyState = before) -> list[GalaxyFit]:
+            return _fit_unit(now, unit, afresh=afresh)
+
+        after: list[GalaxyFit] = []
+        for fits in executor.map(fit, level):
+            after += fits
+            on_fit()
+        members = [source for unit in level for source in unit]
+        change[members] = sky.move(members, after, executor)
+        for unit in level:
+            if len(unit) > 1:
+                change[unit] = sky.now.change_of_unit(unit, before.fits)
+    return change
+
+
+def _fit_unit(now: SkyState, unit: list[int], *, afresh: bool) -> list[GalaxyFit]:
+    if len(unit) > 1 and all(now.fits[source].snr > 0 for source in unit):
+        return _fit_group(now, unit)
+    return [_fit_source(now, source, afresh=afresh) for source in unit]
+
+
+def _fit_source(now: SkyState, source: int, *, afresh: bool) -> GalaxyFit:
+    last = now.fits[source]
+    starts = (None, last) if afresh else (last,)
+    return now.sources[source].refit(now.facet(source), starts if last.snr > 0 else (None,))
+
+
+def _fit_group(now: SkyState, group: list[int]) -> list[GalaxyFit]:
+    place = now.neighbourhood.place
+    members = [
+        Member(
+            now.residual(source),
+            now.sources[source].prior,
+            now.sources[source].profile,
+            tuple(place[source] - place[group[0]]),
+        )
+        for source in group
+    ]
+    plane = now.interaction.plane_around(group[0])
+    return fit_group(members, plane, [now.fits[source] for source in group])

@@ -1,0 +1,71 @@
+"""Ranges of time, of integration and of baseline that an observation covers."""
+
+import math
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from uvshear.constants import SPEED_OF_LIGHT
+from uvshear.interferometer.accumulate import Accumulator
+from uvshear.interferometer.visibilities import Visibilities
+from uvshear.typing import Array, Float
+
+Range = tuple[float, float]
+"""Lowest and highest value; (inf, -inf) where there is none."""
+
+
+@dataclass(frozen=True)
+class ObservationRanges:
+    """Lowest and highest values of an observation.
+
+    Parameters
+    ----------
+    time
+        Start of the first and end of the last integration, UTC [MJD s].
+    interval
+        Shortest and longest integration [s].
+    baseline
+        Shortest and longest projected baseline with weight [m].
+    uv_distance
+        Shortest and longest projected baseline with weight [wavelengths].
+    """
+
+    time: Range
+    interval: Range
+    baseline: Range
+    uv_distance: Range
+
+
+class RangesAccumulator(Accumulator[ObservationRanges]):
+    """Gathers :class:`ObservationRanges`."""
+
+    def __init__(self) -> None:
+        names = ObservationRanges.__dataclass_fields__
+        self._ranges: dict[str, Range] = dict.fromkeys(names, (math.inf, -math.inf))
+
+    def add(self, seen: Visibilities) -> None:
+        """Take in the next chunk."""
+        if not len(seen):
+            return
+        if (taken := seen.integrations) is not None:
+            half = taken.interval / 2
+            self._widen("time", np.stack([taken.time - half, taken.time + half]))
+            self._widen("interval", taken.interval)
+        if (used := seen.weights > 0).any():
+            per_metre = seen.frequency / SPEED_OF_LIGHT
+            self._widen("uv_distance", seen.uv_distance[used])
+            self._widen("baseline", (seen.uv_distance / per_metre)[used])
+
+    def merge(self, later: Self) -> None:
+        """Take in the ranges of later visibilities."""
+        for name, ends in later._ranges.items():
+            self._widen(name, np.array(ends))
+
+    def result(self) -> ObservationRanges:
+        """Return the ranges."""
+        return ObservationRanges(**self._ranges)
+
+    def _widen(self, name: str, values: Float[Array, "..."]) -> None:
+        low, high = self._ranges[name]
+        self._ranges[name] = min(low, float(values.min())), max(high, float(values.max()))

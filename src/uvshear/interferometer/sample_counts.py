@@ -1,0 +1,46 @@
+"""How many samples were read, and why some of them take no part in a measurement."""
+
+from dataclasses import dataclass, fields
+from typing import Self
+
+
+@dataclass(frozen=True)
+class SampleCounts:
+    """Numbers of rows and samples, as a reader counted them.
+
+    Parameters
+    ----------
+    rows
+        Rows of two different antennas.
+    autocorrelations
+        Rows left out because both antennas are the same.
+    samples
+        Samples of Stokes I: rows times channels.
+    usable
+        Samples with a positive weight.
+    flagged
+        Samples whose flag, or whose row's flag, is set in a hand.
+    non_finite
+        Samples without a flag that have a NaN or an infinity in data or weight.
+    non_positive_weights
+        Finite samples without a flag whose weight is zero or negative.
+    """
+
+    rows: int = 0
+    autocorrelations: int = 0
+    samples: int = 0
+    usable: int = 0
+    flagged: int = 0
+    non_finite: int = 0
+    non_positive_weights: int = 0
+
+    @property
+    def flagged_fraction(self) -> float:
+        """Fraction of the samples that is flagged."""
+        return self.flagged / self.samples if self.samples else 0.0
+
+    def __add__(self, other: Self) -> Self:
+        """Add the numbers."""
+        return type(self)(
+            *(getattr(self, name.name) + getattr(other, name.name) for name in fields(self))
+        )

@@ -1,0 +1,131 @@
+"""Readers of visibilities by format: the protocol, and those that are known.
+
+A reader of another format is one file:
+
+.. code-block:: python
+
+    from uvshear.io.readers import Reader
+
+    class MyReader(Reader):
+        format = "my format (a file that ends in .mine)"
+
+        def recognises(self, path):
+            return path.suffix == ".mine"
+
+        def open(self, path, reading):
+            return VisibilitySet(...)
+
+It is found if an installed package registers it by an entry point of the group ``uvshear.readers``, or if
+``Reading.reader`` names it. The observation that it returns needs a phase centre and chunks; for a primary beam it also
+needs the members of ``interferometer.dishes.HasDishes``, and warnings name it as
+``interferometer.origin.HasOrigin`` says.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from uvshear.errors import InputError
+from uvshear.interferometer.visibilities import Observation
+from uvshear.plugins import Registry
+
+if TYPE_CHECKING:
+    from uvshear.io.inspection import Inspection
+
+READERS = Registry(
+    "reader",
+    "uvshear.readers",
+    {"measurement-set": "uvshear.io.measurement_set_reader:MeasurementSetReader"},
+    {},
+)
+"""Every registered object is a :class:`Reader` or a class of readers that takes no argument."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Which visibilities of a file are read, and how; a reader refuses what its format does not have.
+
+    Parameters
+    ----------
+    column
+        Column of visibilities.
+    field
+        Number or name of the field; needed only where there are several.
+    scans
+        Numbers of the scans to read; all unless given.
+    heeds_flags
+        Whether flagged visibilities are left out.
+    conjugates
+        Whether UVW is taken with the opposite sign.
+    subtracted
+        Column of a model that is subtracted from the visibilities.
+    reader
+        Reader of the format, or its registered name, or ``MODULE:NAME``; the first that recognises the file unless
+        given.
+    """
+
+    column: str = "DATA"
+    field: int | str | None = None
+    scans: tuple[int, ...] | None = None
+    heeds_flags: bool = True
+    conjugates: bool = False
+    subtracted: str | None = None
+    reader: "str | Reader | None" = None
+
+
+class Reader(ABC):
+    """Opens files of one format."""
+
+    format: ClassVar[str]
+    """Name of the format, and what its files look like, for messages."""
+
+    @abstractmethod
+    def recognises(self, path: Path) -> bool:
+        """Tell whether a file or directory is in this format, from its name or its first bytes."""
+
+    @abstractmethod
+    def open(self, path: Path, reading: Reading) -> Observation:
+        """Open a file or directory of this format.
+
+        Raises
+        ------
+        InputError
+            In one line that names the path: the file is damaged, or the reading asks for what it does not hold.
+        """
+
+    def inspect(self, path: Path, reading: Reading) -> "Inspection":
+        """Read a file once for a summary of its content; by default what any observation can tell."""
+        from uvshear.io.inspection import inspect_observation  # noqa: PLC0415
+
+        return inspect_observation(self.open(path, reading))
+
+
+def reader_of(path: Path, reading: Reading) -> Reader:
+    """Return the reader that the reading asks for, or the first that recognises the path.
+
+    Raises
+    ------
+    InputError
+        There is no such file, or no reader recognises it.
+    """
+    if reading.reader is not None:
+        return _reader_named(reading.reader)
+    if not path.exists():
+        raise InputError(f"{path}: no such file; the path of a file of visibilities is needed")
+    readers = [_reader_named(name) for name in READERS.names()]
+    for reader in readers:
+        if reader.recognises(path):
+            return reader
+    known = "; ".join(reader.format for reader in readers)
+    raise InputError(
+        f"{path}: not in a known format of visibilities; the known formats are: {known}"
+    )
+
+
+def _reader_named(name: str | Reader) -> Reader:
+    found = READERS.find(name) if isinstance(name, str) else name
+    reader = found() if isinstance(found, type) else found
+    if not isinstance(reader, Reader):
+        raise InputError(f"the reader '{name}' is no Reader but a {type(reader).__name__}")
+    return reader

@@ -1,0 +1,1 @@
+"""The measurement from end to end: ``simulate``, ``measure``, and from a ``Measurement`` to a shear."""

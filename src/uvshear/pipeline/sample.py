@@ -1,0 +1,71 @@
+"""The sources of a measurement that an estimator of the shear is given."""
+
+import numpy as np
+from astropy.table import Table
+
+from uvshear.errors import InputError
+from uvshear.estimators import Estimator, Sample
+from uvshear.geometry.directions import local_north
+from uvshear.io.shapes import COLUMNS, inside, phase_centre_of
+from uvshear.pipeline.measurement import Measurement
+from uvshear.typing import Array, Bool
+
+
+def sample_of(measurement: Measurement, estimator: Estimator) -> Sample:
+    """All sources of a measurement, with the columns that the estimator takes.
+
+    Raises
+    ------
+    InputError
+        The statistics of the estimator were not kept.
+    """
+    shapes = measurement.shapes
+    names = [*estimator.shape_columns]
+    if "flux" in shapes.colnames:
+        names.append("flux")
+    columns = {name: inside(shapes, name) for name in names}
+    columns |= {name: _kept(measurement, estimator, name) for name in estimator.columns}
+    north = local_north(phase_centre_of(shapes), inside(shapes, "l"), inside(shapes, "m"))
+    return Sample(columns, north)
+
+
+def selected(
+    shapes: Table, *, snr_min: float = 0.0, flux_min: float = 0.0, where: Array | None = None
+) -> Bool[Array, " source"]:
+    """Sources without a flag, with a measured ``snr`` and a catalogue's flux [Jy] of at least so much.
+
+    Shear and noise move galaxies across a cut by ``snr``, which biases any shear; a lens without magnification leaves
+    the flux.
+
+    Parameters
+    ----------
+    where
+        Sources that are to be used besides: a boolean for each row.
+    """
+    chosen = np.asarray(shapes["flag"]).astype(str) == "ok"
+    chosen &= inside(shapes, "snr") >= snr_min
+    if flux_min > 0:
+        chosen &= inside(shapes, "flux") >= flux_min
+    if where is not None:
+        mask = np.asarray(where)
+        if mask.dtype != bool or mask.shape != chosen.shape:
+            raise InputError(
+                f"where: a boolean for each of the {len(shapes)} rows of the shapes is needed,"
+                f" not {mask.dtype} of shape {mask.shape}"
+            )
+        chosen &= mask
+    return chosen
+
+
+def _kept(measurement: Measurement, estimator: Estimator, name: str) -> Array:
+    table = measurement.statistics
+    if table is None or name not in table.colnames:
+        raise InputError(
+            f"the statistics of the estimator '{estimator.name}' are not beside the shapes;"
+            f" measure again with --keep {estimator.name}"
+        )
+    column = table[name]
+    if column.dtype.kind == "O":
+        return np.asarray(column)
+    filled: Array = np.ma.filled(np.ma.asarray(column, dtype=float), np.nan)
+    return filled * COLUMNS[name].inside if name in COLUMNS else filled

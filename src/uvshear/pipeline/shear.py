@@ -1,0 +1,81 @@
+"""From a measurement to a shear."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeAlias
+
+from astropy.table import Table
+
+from uvshear.errors import InputError
+from uvshear.estimators import ShearEstimate, estimate_sample_shear, estimator_of
+from uvshear.estimators.bias_correction import BiasCorrection
+from uvshear.estimators.registry import EstimatorLike
+from uvshear.execution import SERIAL, Executor
+from uvshear.io.shapes import extraction_record
+from uvshear.pipeline.measurement import Measurement, read_measurement
+from uvshear.pipeline.sample import sample_of, selected
+from uvshear.progress import Meter, Progress
+from uvshear.typing import Array
+
+MeasurementLike: TypeAlias = Measurement | Table | str | Path
+"""A measurement, a table of shapes, or the file that has it."""
+
+
+def estimate_shear(
+    measurement: MeasurementLike,
+    estimator: EstimatorLike = "mean",
+    *,
+    snr_min: float = 0.0,
+    flux_min: float = 0.0,
+    where: Array | None = None,
+    correction: BiasCorrection | None = None,
+    executor: Executor = SERIAL,
+    progress: Progress | None = None,
+) -> ShearEstimate:
+    """Shear of the sources of a measurement, in total and by flux, in the frame of the sky.
+
+    Parameters
+    ----------
+    measurement
+        Measured sources with the statistics of the estimator.
+    estimator
+        Estimator, or its name. The mean of ellipticities, which it is unless given, is biased by noise.
+    snr_min
+        Measured signal-to-noise ratio below which sources are left out.
+    flux_min
+        Catalogue's flux below which sources are left out [Jy]: a cut on which shear and noise have no influence.
+    where
+        Sources to use: a boolean for each row of the shapes.
+    correction
+        Simulated bias that is taken out (``io.calibration.read_correction``).
+
+    Raises
+    ------
+    InputError
+        The statistics of the estimator were not kept, or fewer than two sources tell anything of the shear.
+    """
+    known = as_measurement(measurement)
+    method = estimator_of(estimator)
+    chosen = selected(known.shapes, snr_min=snr_min, flux_min=flux_min, where=where)
+    sample = sample_of(known, method).select(chosen)
+    found = estimate_sample_shear(method, sample, executor, Meter(progress))
+    if correction is None:
+        return found
+    return replace(
+        correction.applied(found),
+        bins=correction.applied_by_flux(found.bins),
+        assumed=found.assumed,
+    )
+
+
+def as_measurement(given: MeasurementLike) -> Measurement:
+    """Return a measurement from itself, from a table of shapes, or from a file."""
+    if isinstance(given, Measurement):
+        return given
+    if isinstance(given, Table):
+        return Measurement(given, None, None, extraction_record(given))
+    if isinstance(given, str | Path):
+        return read_measurement(given)
+    raise InputError(
+        f"{type(given).__name__}: a Measurement, a table of shapes, or the path of one is needed"
+    )

@@ -1,0 +1,79 @@
+"""Let an array observe the galaxies of a catalogue."""
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+
+from uvshear.execution import SERIAL, Executor
+from uvshear.galaxy import Exponential, Galaxies, Profile
+from uvshear.geometry.directions import local_north
+from uvshear.geometry.ellipticity import to_field_frame
+from uvshear.interferometer.coverage import synthesise
+from uvshear.interferometer.noise import Noise
+from uvshear.interferometer.plan import ObservingPlan
+from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
+from uvshear.simulation.lensing import shear_galaxies
+from uvshear.simulation.noise_level import GalaxyNoise
+from uvshear.simulation.observation import SimulatedObservation
+from uvshear.typing import Array, Complex
+
+Lens: TypeAlias = Callable[[Galaxies, complex | Complex[Array, " source"]], Galaxies]
+"""What a reduced shear in the frame of (l, m) does to galaxies."""
+
+
+def simulate(
+    catalogue: CatalogueLike,
+    plan: ObservingPlan,
+    *,
+    noise: Noise | GalaxyNoise | None = None,
+    shear: complex = 0j,
+    lens: Lens = shear_galaxies,
+    profile: Profile | None = None,
+    seed: int | None = 1,
+    executor: Executor = SERIAL,
+) -> SimulatedObservation:
+    """Let an array observe the galaxies of a catalogue.
+
+    What comes back is an observation to be measured as it is; ``io.measurement_set_writer`` puts it into a
+    Measurement Set.
+
+    Parameters
+    ----------
+    catalogue
+        Galaxies, or the file that has them. A shear that it gives source by source is applied.
+    plan
+        What is observed, for how long and with which array.
+    noise
+        Noise by its SEFD (``StokesINoise``, ``CorrelationNoise``), as it is (``ScaledNoise``), or by its effect
+        (``GalaxyNoise``); the median galaxy of 10 uJy at a signal-to-noise ratio of 10 unless given.
+    shear
+        Reduced shear g1 + i g2 of all galaxies, in the frame of the sky (local North, as TreeCorr takes RA and Dec);
+        it comes on top of the catalogue's own.
+    lens
+        What a shear does to galaxies: ``shear_galaxies``, or the paper's ``shear_at_fixed_scale_length``.
+    seed
+        Seed of the noise; None adds none and keeps the weights.
+    """
+    profile = profile or Exponential()
+    sources = catalogue_of(catalogue)
+    galaxies = sources.galaxies(plan.track.phase_centre)
+    north = local_north(plan.track.phase_centre, galaxies.l, galaxies.m)
+    for sky_shear in (sources.shear, shear):
+        if sky_shear is not None and np.any(sky_shear):
+            galaxies = lens(galaxies, to_field_frame(sky_shear + np.zeros(len(galaxies)), north))
+    coverage = synthesise(plan.layout, plan.track)
+    noise = noise or GalaxyNoise()
+    if isinstance(noise, GalaxyNoise):
+        noise = noise.scaled_to(coverage, plan.channels, profile, executor)
+    return SimulatedObservation(
+        coverage=coverage,
+        channels=plan.channels,
+        galaxies=galaxies,
+        profile=profile,
+        noise=noise,
+        seed=seed,
+        executor=executor,
+        is_averaged=plan.is_averaged,
+        primary_beam=plan.primary_beam,
+    )

@@ -1,0 +1,59 @@
+"""What was extracted, as the table of shapes and as the sky that was found."""
+
+import numpy as np
+from astropy.table import Table
+
+from uvshear.extraction import Extracted, Field, Model
+from uvshear.geometry.directions import PhaseCentre, equatorial
+from uvshear.io.catalogue import Catalogue
+from uvshear.io.shapes import shapes_table
+from uvshear.shapes.measurement import ShapeMeasurement
+from uvshear.shapes.table_row import shape_values
+
+
+def tabulate_shapes(
+    sources: Catalogue, field: Field, extracted: Extracted, phase_centre: PhaseCentre, model: Model
+) -> Table:
+    """Table of shapes: one row for every source of the catalogue, in its order."""
+    results = [
+        extracted.measurements.get(source, ShapeMeasurement.failed(flag))
+        for source, flag in enumerate(field.flags)
+    ]
+    rows = [shape_values(result, model.population) for result in results]
+    names = tuple(rows[0]) if rows else ()
+    columns = {name: np.array([row[name] for row in rows]) for name in names}
+    columns |= {
+        "id": sources.identifier,
+        "l": field.l,
+        "m": field.m,
+        "flux": sources.flux,
+        "flag": np.array([result.flag.word for result in results]),
+    }
+    if sources.ra is not None and sources.dec is not None:
+        columns |= {"ra": sources.ra, "dec": sources.dec}
+    return shapes_table(columns, phase_centre, record=extracted.record)
+
+
+def catalogue_of_sky(
+    sources: Catalogue, field: Field, extracted: Extracted, phase_centre: PhaseCentre
+) -> Catalogue:
+    """Catalogue of the sources that were subtracted, as they were found: position, flux, size and ellipticity.
+
+    Sources without flux are not in it.
+    """
+    found = extracted.sky
+    there = field.modelled[found.flux[field.modelled] > 0]
+    sky = found.select(there)
+    ra, dec = equatorial(phase_centre, sky.l, sky.m)
+    return Catalogue(
+        identifier=sources.identifier[there],
+        flux=sky.flux,
+        spectral_index=sky.spectral_index,
+        ra=ra,
+        dec=dec,
+        scale_length=sky.scale_length,
+        ellipticity=sky.ellipticity,
+        is_point=sky.scale_length == 0,
+        reference_frequency=sky.reference_frequency,
+        field_centre=phase_centre,
+    )

@@ -1,0 +1,70 @@
+"""Passes over visibilities that work on a block of samples at a time, however the chunks are read."""
+
+from abc import abstractmethod
+from typing import Self
+
+from uvshear.interferometer.accumulate import Accumulator, Result_co
+from uvshear.interferometer.samples import Samples
+from uvshear.interferometer.visibilities import Visibilities
+
+
+class BlockAccumulator(Accumulator[Result_co]):
+    """Collects the samples of a range of baselines, and works on them whenever a block is full.
+
+    Blocks have the same samples whatever the chunks, so that sums do not depend on how an observation is read.
+
+    Parameters
+    ----------
+    shortest, longest
+        Range of the baselines [wavelengths].
+    size
+        Number of samples in a block.
+    """
+
+    def __init__(self, shortest: float, longest: float, size: int) -> None:
+        self._shortest, self._longest, self._size = shortest, longest, size
+        self._waiting: list[Samples] = []
+        self._held = 0
+
+    def add(self, seen: Visibilities) -> None:
+        """Take in the samples of a chunk."""
+        self._take(Samples.from_visibilities(seen, self._shortest, self._longest))
+
+    def merge(self, later: Self) -> None:
+        """Add what another accumulator has summed up, and take in the samples that it has not worked on."""
+        self.add_sums(later)
+        for part in later._waiting:
+            self._take(part)
+
+    def result(self) -> Result_co:
+        """Work on the samples that are left, and return what was summed up."""
+        if self._waiting:
+            self._work_on_waiting()
+        return self.total()
+
+    @abstractmethod
+    def add_block(self, samples: Samples) -> None:
+        """Work on a block of samples."""
+
+    @abstractmethod
+    def add_sums(self, later: Self) -> None:
+        """Add the sums of another accumulator of this kind."""
+
+    @abstractmethod
+    def total(self) -> Result_co:
+        """Return what has been summed up over all blocks."""
+
+    def _take(self, part: Samples) -> None:
+        while self._held + len(part) >= self._size:
+            first = self._size - self._held
+            self._waiting.append(part.select(slice(first)))
+            self._work_on_waiting()
+            part = part.select(slice(first, None))
+        if len(part):
+            self._waiting.append(part)
+            self._held += len(part)
+
+    def _work_on_waiting(self) -> None:
+        block = Samples.join(self._waiting)
+        self._waiting, self._held = [], 0
+        self.add_block(block)

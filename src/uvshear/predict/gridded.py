@@ -1,0 +1,154 @@
+"""Visibilities of many galaxies by way of images: drawn on tiles, and predicted from there by the gridder."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from uvshear.execution import SERIAL, Executor
+from uvshear.galaxy import Galaxies, Profile
+from uvshear.imaging.bands import Band
+from uvshear.imaging.tangent import TangentPlane
+from uvshear.imaging.tiles import Tile
+from uvshear.interferometer.samples import Samples
+from uvshear.predict.rendering import render, stamp_size
+from uvshear.predict.response import Response
+from uvshear.typing import Array, Complex, Float
+
+SLAB = 2**21
+"""Number of samples that one call of the gridder takes; it depends on the data alone, so that sums do not depend on the
+executor."""
+
+BYTES_PER_SAMPLE = 160
+"""Memory that a sample takes while it is worked on: the sample, its model, and its baseline seen from two tiles."""
+
+LEAST_BLOCK = 2**16
+"""Number of samples in a block however little memory there is."""
+
+
+@dataclass(frozen=True)
+class Gridding:
+    """Accuracy of the gridder, and what it may use.
+
+    Parameters
+    ----------
+    epsilon
+        Relative error of the gridder.
+    block
+        Number of samples held in memory at a time.
+    executor
+        Runs tiles and slabs of samples side by side.
+    """
+
+    epsilon: float = 1e-4
+    block: int = 2**24
+    executor: Executor = SERIAL
+
+
+@dataclass(frozen=True)
+class ModelledSky:
+    """Galaxies to be predicted.
+
+    Parameters
+    ----------
+    galaxies
+        The galaxies, with their fluxes at the reference frequency.
+    half_width
+        Distance from its centre up to which each galaxy is drawn [rad].
+    response
+        Spectrum and attenuation of each galaxy over the samples.
+    profile
+        Brightness profile of all of them.
+    """
+
+    galaxies: Galaxies
+    half_width: Float[Array, " source"]
+    response: Response
+    profile: Profile
+
+
+def block_of(memory: float) -> int:
+    """Choose the number of samples in a block, where so much memory [bytes] may be used: a third is for the block."""
+    return max(int(memory / 3 / BYTES_PER_SAMPLE), LEAST_BLOCK)
+
+
+def slabs(samples: int) -> list[slice]:
+    """Divide samples into parts of at most ``SLAB``, as equal as can be."""
+    count = max(1, -(-samples // SLAB))
+    edges = [samples * k // count for k in range(count + 1)]
+    return [slice(*pair) for pair in pairwise(edges)]
+
+
+def predict_samples(
+    samples: Samples,
+    tiles: Sequence[Tile],
+    band: Band,
+    sky: ModelledSky,
+    gridding: Gridding,
+) -> Complex[Array, " sample"]:
+    """Predict the visibilities of the sky for samples of a band [Jy], by way of images on its tiles."""
+    model = np.zeros(len(samples), np.complex64)
+    response = sky.response
+
+    def draw(part: _Part) -> Float[Array, "l m"]:
+        members = part.tile.members
+        return render(
+            sky.galaxies.select(members),
+            part.flux,
+            sky.half_width[members],
+            part.tile,
+            band,
+            sky.profile,
+        )
+
+    def predict(
+        task: tuple[_Part, Float[Array, "l m"], slice],
+    ) -> tuple[slice, Complex[Array, " slab"]]:
+        part, image, rows = task
+        plane = TangentPlane.at(samples.uvw[rows], *part.tile.centre(band.pixel))
+        vis = plane.visibilities(image, band.pixel, gridding.epsilon)
+        return rows, vis * response.source_factor(samples.select(rows), *part.seen_as)
+
+    parts = [part for tile in tiles for part in _parts(_padded(tile, sky, band), sky, band)]
+    drawn = zip(parts, gridding.executor.map(draw, parts), strict=True)
+    tasks = ((part, image, rows) for part, image in drawn for rows in slabs(len(samples)))
+    for rows, vis in gridding.executor.map(predict, tasks):
+        model[rows] += vis
+    return model * response.gain(samples.frequency)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Fluxes of a tile's members [Jy] that samples see as they see a source at (l, m) of a spectral index."""
+
+    tile: Tile
+    flux: Float[Array, " member"]
+    seen_as: tuple[float, float, float]
+
+
+def _parts(tile: Tile, sky: ModelledSky, band: Band) -> list[_Part]:
+    members = sky.galaxies.select(tile.members)
+    shared = sky.response.shared_factors(members, band.shortest, band.longest)
+    parts = []
+    for source, coefficients in zip(shared.chosen.tolist(), shared.coefficients, strict=True):
+        seen_as = (
+            float(members.l[source]),
+            float(members.m[source]),
+            float(members.spectral_index[source]),
+        )
+        parts.append(_Part(tile, members.flux * coefficients, seen_as))
+    return parts
+
+
+def _padded(tile: Tile, sky: ModelledSky, band: Band) -> Tile:
+    """Widen a tile so that it holds the stamps of its members at their present places."""
+    half = [stamp_size(float(x), band.pixel) // 2 + 1 for x in sky.half_width[tile.members]]
+    low, high = [], []
+    for x in (sky.galaxies.l, sky.galaxies.m):
+        place = np.rint(x[tile.members] / band.pixel).astype(int)
+        low.append(int((place - half).min()))
+        high.append(int((place + half).max()))
+    size = max(high[0] - low[0], high[1] - low[1])
+    size += size % 2
+    return Tile(tile.band, (low[0], low[1]), size, tile.members, tile.parent)
