@@ -22,7 +22,6 @@ import survey
 from astropy.table import Table, vstack
 from record import RESULTS, write_record
 from slopes import slope_figures
-from uvshear.predict.gridded import Gridding, ModelledSky
 
 import uvshear
 from uvshear.constants import ARCSEC, MICROJANSKY
@@ -35,6 +34,7 @@ from uvshear.galaxy import Exponential, Galaxies, SizeFluxRelation
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
+from uvshear.predict.gridded import Gridding, ModelledSky
 from uvshear.predict.response import Response
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.prior import ShapePrior
@@ -134,7 +134,7 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, executor: Executor) -> Ta
     )
     nothing = replace(galaxies, flux=np.zeros(len(galaxies)))
     gridding = Gridding(executor=executor)
-    response = Response.of(galaxies)
+    response = Response.from_sky(galaxies)
     beam_plan = BeamPlan.around(lm, 0.0, float(uv_max.max()), plan.pixel)
     beams = gather_beams(noise, beam_plan, response, gridding)
     half = np.full(len(galaxies), 20 * ARCSEC)

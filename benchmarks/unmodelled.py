@@ -16,7 +16,7 @@ from astropy.table import Table
 
 import uvshear
 from uvshear.constants import ARCMIN, ARCSEC, MICROJANSKY
-from uvshear.diagnostics.slope import fit_slope
+from uvshear.diagnostics.slope import fit_slope, population_weights
 from uvshear.execution import in_threads
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.interferometer.visibilities import VisibilitySet
@@ -138,7 +138,8 @@ def tell(name: str, galaxies: Galaxies, right: Table, table: Table, wrong: np.nd
 def slope(true: np.ndarray, shapes: Table, e: str) -> str:
     if len(true) < 2:
         return "-    "
-    return f"{fit_slope(true, np.array(shapes[e]), np.array(shapes[f'{e}_err'])).value:.3f}"
+    measured, error = np.array(shapes[e]), np.array(shapes[f"{e}_err"])
+    return f"{fit_slope(true, measured, error, population_weights).value:.3f}"
 
 
 def rms(values: np.ndarray) -> float:

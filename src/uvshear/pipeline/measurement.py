@@ -161,7 +161,9 @@ class Measurement:
                     "a measurement that was read from a file needs the observation for an image of it"
                 )
             return self.field
-        seen = observation if isinstance(observation, Observation) else open_observation(observation)
+        seen = (
+            observation if isinstance(observation, Observation) else open_observation(observation)
+        )
         options = MeasurementOptions(model=model or Model(), resources=resources or Resources())
         limits = self.record.get("uv_range")
         uv_range = UvRange(*limits) if isinstance(limits, list) else UvRange()

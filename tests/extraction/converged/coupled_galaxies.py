@@ -40,7 +40,7 @@ def coupled_galaxies():
     requests = FacetRequests(*lm.T, np.full(10, 120 * ARCSEC), np.full(10, LONGEST))
     plan = plan_major_cycle(requests, 0.0, LONGEST)
     beam_plan = BeamPlan.around(lm, 0.0, LONGEST, plan.pixel)
-    beams = gather_beams(observation, beam_plan, Response.of(sky), GRIDDING)
+    beams = gather_beams(observation, beam_plan, Response.from_sky(sky), GRIDDING)
     interaction = Interaction(plan, beams, PROFILE)
     fits = [GalaxyFit(float(flux), np.zeros(2), 0.2 - 0.1j, 4 * ARCSEC, 10.0) for flux in sky.flux]
     return Coupled(lm, fits, interaction, couple(fits, interaction, PROFILE, SERIAL))

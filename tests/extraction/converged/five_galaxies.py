@@ -54,12 +54,12 @@ class FiveGalaxies:
             object.__setattr__(self, name, value)
         lm = np.column_stack([SKY.l, SKY.m])
         beam_plan = BeamPlan.around(lm, 0.0, LONGEST, self.plan.pixel)
-        beams = gather_beams(self.observation, beam_plan, Response.of(SKY), GRIDDING)
+        beams = gather_beams(self.observation, beam_plan, Response.from_sky(SKY), GRIDDING)
         object.__setattr__(self, "beams", beams)
         object.__setattr__(self, "before", self.residuals(SKY))
 
     def residuals(self, sky):
-        model = ModelledSky(sky, np.full(5, 120 * ARCSEC), Response.of(sky), PROFILE)
+        model = ModelledSky(sky, np.full(5, 120 * ARCSEC), Response.from_sky(sky), PROFILE)
         return gather_residuals(self.observation, self.plan, model, GRIDDING)
 
     def interaction(self):

@@ -67,7 +67,7 @@ class SmallField:
         return gather_residuals(self.observation, self.plan, self.modelled(model), gridding)
 
     def modelled(self, model: Galaxies) -> ModelledSky:
-        response = Response.of(model, summarise(self.observation).probes, self.attenuation)
+        response = Response.from_sky(model, summarise(self.observation).probes, self.attenuation)
         return ModelledSky(model, np.full(len(model), HALF_WIDTH), response, PROFILE)
 
 

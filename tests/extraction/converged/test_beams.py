@@ -91,7 +91,7 @@ def test_norms_are_those_of_exact_facets():
     longest = seen.target.informative_uv_max
     requests = FacetRequests(galaxy.l, galaxy.m, np.full(1, 4e-4), np.full(1, longest))
     plan = plan_major_cycle(requests, 0.0, longest)
-    response = Response.of(galaxy)
+    response = Response.from_sky(galaxy)
     lm = np.column_stack([galaxy.l, galaxy.m])
     observation = VisibilitySet(vla("b")[1], (seen.seen,))
     beam_plan = BeamPlan.around(lm, 0.0, longest, plan.pixel)

@@ -30,10 +30,12 @@ class Spoilt:
     def __init__(self, times, flag=FitFlag.UNRELIABLE):
         self.met, self._times, self._flag = [], times, flag
 
-    def __call__(self, facet, prior, profile, start, *, share):
+    def __call__(self, facet, prior, profile, start, *, information_fraction):
         source = int(np.argmin(np.abs(np.log(SIZES) - prior.log_scale_length)))
         self.met.append(source)
-        shape = measure_shape(facet, prior, profile, start, share=share)
+        shape = measure_shape(
+            facet, prior, profile, start, information_fraction=information_fraction
+        )
         if source == BRIGHT and self.met.count(BRIGHT) <= self._times:
             return replace(shape, best=None, flag=self._flag)
         return shape
@@ -112,9 +114,11 @@ def test_the_last_fit_looks_anew(scene):
     starts = []
 
     class Watched(Spoilt):
-        def __call__(self, facet, prior, profile, start, *, share):
+        def __call__(self, facet, prior, profile, start, *, information_fraction):
             starts.append(start)
-            return super().__call__(facet, prior, profile, start, share=share)
+            return super().__call__(
+                facet, prior, profile, start, information_fraction=information_fraction
+            )
 
     _extract(scene, PaperExtraction(ExactFacets(), passes=2), Watched(times=1))
     assert [start is None for start in starts] == [False, False, True]
