@@ -20,10 +20,9 @@ from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.io.inspection import inspect
 from uvshear.io.measurement_set import MeasurementSet
-from uvshear.io.observations import open_observation
-from uvshear.io.readers import Reading
+from uvshear.io.observations import inspect, open_observation
+from uvshear.io.reading import Reading
 from uvshear.pipeline.measure import measure
 from uvshear.predict import predict_visibilities
 
