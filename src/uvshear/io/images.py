@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from astropy.io import fits
@@ -21,10 +22,10 @@ def check_image_name(path: Path) -> None:
 
 
 def write_residual_image(
-    path: Path,
+    path: Path | str,
     images: DirtyAndResidual,
     phase_centre: PhaseCentre,
-    metadata: Mapping[str, str],
+    metadata: Mapping[str, str] = MappingProxyType({}),
     *,
     overwrite: bool = False,
 ) -> None:
@@ -35,6 +36,7 @@ def write_residual_image(
     metadata
         Record of the command (``io.provenance``): keys of at most eight letters, with values in ASCII.
     """
+    path = Path(path)
     check_image_name(path)
     primary, dirty = (
         kind(fits_order(image), header=_header(images, image, phase_centre, metadata))
