@@ -136,11 +136,11 @@ if TYPE_CHECKING:
         write_catalogue,
     )
     from uvshear.io.images import write_residual_image
-    from uvshear.io.inspection import inspect
     from uvshear.io.measurement_set_writer import write_measurement_set
-    from uvshear.io.observations import open_observation
+    from uvshear.io.observations import inspect, open_observation
     from uvshear.io.population import read_population
-    from uvshear.io.readers import Reader, Reading
+    from uvshear.io.readers import Reader
+    from uvshear.io.reading import Reading
     from uvshear.pipeline.measure import measure
     from uvshear.pipeline.measurement import Measurement, read_measurement
     from uvshear.pipeline.shear import estimate_shear
@@ -184,11 +184,11 @@ _HOMES = {
     "io.bias_records": "read_correction",
     "io.catalogue": "Catalogue catalogue_from_galaxies read_catalogue write_catalogue",
     "io.images": "write_residual_image",
-    "io.inspection": "inspect",
     "io.measurement_set_writer": "write_measurement_set",
-    "io.observations": "open_observation",
+    "io.observations": "inspect open_observation",
     "io.population": "read_population",
-    "io.readers": "Reader Reading",
+    "io.readers": "Reader",
+    "io.reading": "Reading",
     "pipeline.measure": "measure",
     "pipeline.measurement": "Measurement read_measurement",
     "pipeline.shear": "estimate_shear",

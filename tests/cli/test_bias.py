@@ -36,7 +36,7 @@ def test_the_bias_of_moments_is_told_and_written(uvshear: Callable, tmp_path: Pa
     [
         (["--shear", "1.5"], "--shear 1.5: |g| below 1 is needed"),
         (["--layout", "no-such-array"], "no-such-array"),
-        (["--position-error-arcsec", "3"], "bear up to"),
+        (["--position-error-arcsec", "3"], "allow for errors up to"),
         (["--facet", "cell-average"], "--estimator moments: the paper's facets are for"),
         (["--prior", "fitted"], "--prior fitted: --estimator moments has no prior; bayesian has"),
         (["--prior", "population.json"], "--estimator moments has no prior; bayesian has"),

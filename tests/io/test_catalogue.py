@@ -154,7 +154,7 @@ def test_a_written_catalogue_is_read_back(
     )
     path = tmp_path / f"cat{suffix}"
     provenance = Provenance("uvshear catalogue", options={"seed": 1})
-    write_catalogue(path, catalogue_from_galaxies(galaxies, centre), provenance)
+    write_catalogue(path, catalogue_from_galaxies(galaxies, centre), provenance.metadata())
     back = read_catalogue(path).galaxies(CENTRE)
     for name in ("l", "m", "flux", "scale_length", "ellipticity", "spectral_index"):
         expected = getattr(galaxies, name)

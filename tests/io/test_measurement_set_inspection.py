@@ -6,9 +6,9 @@ from casacore import tables
 
 from tests.io.measurement_sets import PHASE_CENTRE, change, real_set, simulated, written
 from uvshear.constants import SPEED_OF_LIGHT
-from uvshear.io.inspection import inspect
 from uvshear.io.measurement_set import MeasurementSet
-from uvshear.io.readers import Reading
+from uvshear.io.observations import inspect
+from uvshear.io.reading import Reading
 
 
 def test_what_was_written_is_found(tmp_path):

@@ -15,7 +15,8 @@ from uvshear.interferometer.noise_estimate import ScaledObservation, scaled_to_i
 from uvshear.interferometer.origin import origin_of, parts_of
 from uvshear.io.measurement_set import MeasurementSet
 from uvshear.io.observations import open_observation
-from uvshear.io.readers import Reader, Reading
+from uvshear.io.readers import Reader
+from uvshear.io.reading import Reading
 
 
 class NightReader(Reader):

@@ -11,7 +11,8 @@ from tests.interferometer.chunks import observation
 from tests.io.measurement_sets import written
 from uvshear.errors import InputError
 from uvshear.io.measurement_set_reader import MeasurementSetReader
-from uvshear.io.readers import READERS, Reader, Reading, reader_of
+from uvshear.io.readers import READERS, Reader, reader_of
+from uvshear.io.reading import Reading
 
 
 class NumberReader(Reader):

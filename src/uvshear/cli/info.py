@@ -43,7 +43,7 @@ def info(
     conjugate: ConjugateOption = False,
 ) -> None:
     """Print what a Measurement Set holds: array, fields, frequencies, flags, baselines, noise against weights."""
-    from uvshear.io.inspection import inspect
+    from uvshear.io.observations import inspect
 
     reading = reading_of(column, field, scans, conjugates=conjugate, subtracted=subtract)
     for path in measurement_sets:

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     from uvshear.galaxy import SizeModel
     from uvshear.interferometer.visibilities import Observation
     from uvshear.io.catalogue import Catalogue
-    from uvshear.io.readers import Reading
+    from uvshear.io.reading import Reading
 
 EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits --keep moments -o SHAPES.fits"
 

@@ -15,7 +15,7 @@ from uvshear.estimators.shape_likelihood import ShapeLikelihood
 from uvshear.estimators.terms import Terms, shear_in_field_frame
 from uvshear.galaxy import Profile
 from uvshear.progress import Meter
-from uvshear.shapes.interpolative import Condenser
+from uvshear.shapes.interpolative import DecompositionCache
 from uvshear.shapes.likelihood import sample_likelihood
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.typing import Array, Complex
@@ -40,7 +40,9 @@ class Bayesian(Estimator):
     population: UnlensedPopulation = field(default_factory=UnlensedPopulation)
     fits_population: bool = False
     fitted: FittedPopulation | None = None
-    _condensers: dict[Profile, Condenser] = field(default_factory=dict, repr=False, compare=False)
+    _caches: dict[Profile, DecompositionCache] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     name = "bayesian"
     columns: ClassVar = {
@@ -59,15 +61,15 @@ class Bayesian(Estimator):
     def statistic(self, source: SourceFacet) -> Kept | None:
         """Sample the likelihood wherever the population reaches, and pack it into a few kilobytes."""
         profile = source.profile
-        if profile not in self._condensers:
-            self._condensers[profile] = Condenser(profile)
-        condenser = self._condensers[profile]
+        if profile not in self._caches:
+            self._caches[profile] = DecompositionCache(profile)
+        cache = self._caches[profile]
         found = sample_likelihood(
             source.facet,
             source.prior,
             profile,
             self.population.ellipticity,
-            lambda: condenser.of(source.facet, source.cells, source.prior),
+            lambda: cache.decomposition(source.facet, source.cells, source.prior),
         )
         if found is None:
             return None

@@ -60,7 +60,7 @@ def field_of_catalogue(
         reference_frequency=sources.reference_frequency,
     )
     # Sources of which averaging and primary beams leave next to nothing cannot be modelled.
-    response = Response.of(sky, summary.probes, model.attenuation(phase_centre.dec))
+    response = Response.from_sky(sky, summary.probes, model.attenuation(phase_centre.dec))
     unseen = is_modelled & (response.attenuations(sky) < FAINTEST)
     flags[unseen] = FitFlag.OUTSIDE_FIELD
     is_modelled &= ~unseen

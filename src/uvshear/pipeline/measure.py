@@ -137,7 +137,9 @@ def _extract(
     attenuation = model.attenuation(observation.phase_centre.dec)
     if not method.extraction.models_attenuation:
         attenuation = None
-    response = Response.of(field.sky.select(field.modelled), first.summary.probes, attenuation)
+    response = Response.from_sky(
+        field.sky.select(field.modelled), first.summary.probes, attenuation
+    )
     quoted = with_natural_snr(
         extracted.measurements,
         first.baselines,

@@ -161,7 +161,7 @@ class SimulatedObservation:
 
     def _losses(self, rows: slice) -> Losses | None:
         centre = self.phase_centre
-        return Losses.of(
+        return Losses.from_attenuation(
             total_attenuation(centre.dec, self.primary_beam, smears=self.is_averaged),
             self.averaged_width,
             self._integrations(rows),
