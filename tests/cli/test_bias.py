@@ -1,6 +1,7 @@
 import json
 import re
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,17 @@ def test_the_bias_of_moments_is_told_and_written(uvshear: Callable, tmp_path: Pa
     assert outcome.status == 0, outcome.err
     record = json.loads(output.read_text())
     assert set(FIELDS) | {"snr_min", "seed", "version"} <= set(record)
+    assert record["frame"] == "sky"
+    assert record["command"] == "uvshear bias"
+    assert record["inputs"] == []
+    assert record["options"]["estimator"] == "moments"
+    assert record["cuts"] == {
+        "snr_min": 15.0,
+        "selection": "catalogue",
+        "flux_min_ujy": 0.0,
+        "flux_max_ujy": None,
+    }
+    assert datetime.fromisoformat(record["date"]).utcoffset() is not None
     assert (record["snr_min"], record["seed"], record["version"]) == (15.0, 2, __version__)
     assert abs(record["m1"]) < 0.005
     assert record["m1_err"] < 0.003
