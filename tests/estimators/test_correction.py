@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from uvshear.estimators.correction import Calibration, Component
+
 from uvshear.estimators.mean import ShearEstimate
 
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from uvshear.estimators.ratio import Responses
 
 from uvshear.errors import InputError
 from uvshear.estimators.moments import moment_weight
-from uvshear.estimators.ratio import Responses
 
 
 def _responses(g, number, rng, about=0j):
