@@ -35,10 +35,14 @@ def toy_likelihoods(number, rng, g=0.02 + 0j):
     ]
 
 
+def _behind(likelihoods, g=0.02 + 0j):
+    return [(likelihood, g) for likelihood in likelihoods]
+
+
 @pytest.fixture(scope="module")
 def fitted():
     likelihoods = toy_likelihoods(150, np.random.default_rng(4))
-    return likelihoods, fit_population(likelihoods, POPULATION, 0.02 + 0j)
+    return likelihoods, fit_population(_behind(likelihoods), POPULATION)
 
 
 def test_the_population_is_found_within_its_errors(fitted):
@@ -58,7 +62,7 @@ def test_no_step_leads_to_a_more_probable_population(fitted):
     error = np.sqrt(np.diag(found.covariance))
 
     def total(population):
-        return sum(evidence_and_gradient(one, population, 0.02 + 0j)[0] for one in likelihoods)
+        return sum(evidence_and_gradient(each, population, 0.02 + 0j)[0] for each in likelihoods)
 
     best = total(found.population)
     for k in range(4):
@@ -71,7 +75,7 @@ def test_no_step_leads_to_a_more_probable_population(fitted):
 def test_what_few_galaxies_do_not_tell_stays_near_the_first_guess():
     """Of sixty of them the likelihood alone has no maximum: a scale of the ellipticities runs away."""
     likelihoods = toy_likelihoods(60, np.random.default_rng(8))
-    found = fit_population(likelihoods, POPULATION, 0.02 + 0j)
+    found = fit_population(_behind(likelihoods), POPULATION)
     error = np.sqrt(np.diag(found.covariance))
     assert np.all(error < LIKENESS)
     assert error[3] > 0.5
@@ -80,9 +84,8 @@ def test_what_few_galaxies_do_not_tell_stays_near_the_first_guess():
 
 def test_the_meter_counts_galaxies():
     likelihoods, told = toy_likelihoods(40, np.random.default_rng(4)), []
-    fit_population(
-        likelihoods, POPULATION, 0.02 + 0j, Meter(lambda done, total: told.append((done, total)))
-    )
+    meter = Meter(lambda done, total: told.append((done, total)))
+    fit_population(_behind(likelihoods), POPULATION, meter)
     done, total = zip(*told, strict=True)
     assert len(done) % 40 == 0
     assert done == tuple(range(1, len(done) + 1))
@@ -92,4 +95,4 @@ def test_the_meter_counts_galaxies():
 def test_few_galaxies_are_no_population():
     likelihoods = toy_likelihoods(5, np.random.default_rng(4))
     with pytest.raises(InputError, match="40 or more"):
-        fit_population(likelihoods, POPULATION, 0j)
+        fit_population(_behind(likelihoods), POPULATION)
