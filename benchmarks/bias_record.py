@@ -9,15 +9,21 @@ averaged with weights 1/error^2.
 """
 
 import json
+import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import typer
 from record import RESULTS, write_record
 
+from uvshear.cli.application import app
+
 NAMES = ("m1", "m2", "c1", "c2")
-OF_A_RUN = {"seed", "command", "date", "run", "n", "failed", "bins", "response1", "response2"}
+NOT_OF_THE_RESULT = {"output", "overwrite", "threads"}
+OF_A_RUN = {"seed", "inputs", "options", "date", "n", "failed", "bins", "response1", "response2"}
 
 
 def main() -> None:
@@ -28,14 +34,32 @@ def main() -> None:
     if different:
         sys.exit(f"the files differ in {', '.join(sorted(different))}")
     first = biases[0]
-    setting = {key: first[key] for key in ("estimator", "galaxies", "shear", "density", "profile")}
+    setting = {key: first.get(key) for key in ("estimator", "galaxies", "shear", "density")}
     write_record(
         RESULTS / f"{name}.json",
         figures(biases),
         [bias["seed"] for bias in biases],
         title=f"Shear bias: {', '.join(f'{key} {value}' for key, value in setting.items() if value)}.",
-        command="; ".join(dict.fromkeys(bias["command"] for bias in biases)),
+        command="; ".join(command_line(bias["options"]) for bias in biases),
     )
+
+
+def command_line(options: Mapping[str, Any]) -> str:
+    """Rebuild the command of a file from its options, those with their default values left out."""
+    words = ["uvshear", "bias"]
+    for parameter in typer.main.get_command(app).commands["bias"].params:
+        value = options.get(parameter.name, parameter.default)
+        values = list(value) if isinstance(value, list | tuple) else [value]
+        usual = parameter.default
+        if values == (list(usual) if isinstance(usual, list | tuple) else [usual]):
+            continue
+        if parameter.name in NOT_OF_THE_RESULT or value is None:
+            continue
+        if isinstance(value, bool):
+            words.append((parameter.opts if value else parameter.secondary_opts)[0])
+        else:
+            words += [max(parameter.opts, key=len), *map(str, values)]
+    return shlex.join(words)
 
 
 def differing(biases: Sequence[dict]) -> set[str]:

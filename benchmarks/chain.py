@@ -24,7 +24,7 @@ from astropy.table import Table
 from scipy.spatial import cKDTree
 
 from uvshear.constants import ARCSEC, MICROJANSKY
-from uvshear.diagnostics.slope import fit_slope
+from uvshear.diagnostics.slope import fit_slope, population_weights
 from uvshear.galaxy import Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.io.catalogue import read_catalogue
@@ -211,7 +211,7 @@ def slopes(
         ours, theirs = (inside(table, name)[chosen] for table in (with_true, with_found))
         error = inside(with_true, f"{name}_err")[chosen]
         for which, value in (("true", ours), ("found", theirs), ("shift", theirs - ours)):
-            slope = fit_slope(part, value, error)
+            slope = fit_slope(part, value, error, population_weights)
             result[f"{name}_{which}"] = round(slope.value, 4)
             result[f"{name}_{which}_err"] = round(slope.error, 4)
     return result

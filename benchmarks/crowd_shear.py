@@ -3,27 +3,26 @@
     python benchmarks/crowd_shear.py --density 2.8 --galaxies 1120 --shear 0.03 --table crowd.ecsv
     python benchmarks/crowd_shear.py --density 1 2.8 5 8 --galaxies 400 --shear 0 --table crowd.ecsv
 
-One field, its galaxies behind g and -g (or behind none), with e and -e, with noise and its opposite: four extractions a
-shear, which serve all estimators. ``crowd_shear_figure.py`` draws what is left without shear against the density.
+The galaxies of one field are behind g and -g (or behind none), with e and -e, with noise and its opposite: four
+extractions for each shear, which serve all estimators. ``crowd_shear_figure.py`` draws the shear that is found without
+any against the density.
 """
 
 import argparse
-import cmath
-import math
 import time
 from pathlib import Path
 
 from astropy.table import Table, vstack
 from survey import PHASE_CENTRE
 
-from uvshear.bias.crowded import FieldBayesian, FieldMean, FieldMoments
-from uvshear.bias.survey import Survey, calibrate_crowded
+import uvshear
+from uvshear.bias import opposite_shears
+from uvshear.bias.crowded import estimate_crowded_bias
+from uvshear.estimators import estimator_of
 from uvshear.execution import in_threads
-from uvshear.extraction import MeasurementOptions
-from uvshear.interferometer.coverage import Track
-from uvshear.interferometer.layout import load_layout
-from uvshear.interferometer.plan import ObservingPlan
-from uvshear.interferometer.spectral_window import Channels
+from uvshear.galaxy import Galaxies
+from uvshear.interferometer.visibilities import VisibilitySet
+from uvshear.io.catalogue import catalogue_from_galaxies
 
 
 def main() -> None:
@@ -35,41 +34,41 @@ def main() -> None:
         found = measured(arguments, density)
         seconds = time.perf_counter() - start
         about = {"density": density, "shear": arguments.shear, "seed": arguments.seed}
-        for name, biases in found.items():
-            for one in biases:
-                print(f"{density:g} {name} {one.name}: {one.record()}", flush=True)
-                rows.append(
-                    {"estimator": name, **about, "flux": one.name, **one.record(), "s": seconds}
-                )
+        for name, bias in zip(arguments.estimator, found, strict=True):
+            for part in (bias, *bias.bins):
+                print(f"{density:g} {name} {part}", flush=True)
+                row = {"estimator": name, **about, "flux": part.name, **part.record()}
+                rows.append({**row, "s": seconds})
     table = Table(rows)
     if arguments.table:
         known = [Table.read(arguments.table)] if arguments.table.exists() else []
         vstack([*known, table]).write(arguments.table, overwrite=True)
 
 
-def measured(arguments: argparse.Namespace, density: float) -> dict:
-    """Biases of each estimator, in total and by flux."""
-    track = Track.from_clock(PHASE_CENTRE, ((-14400.0, 14400.0),), arguments.integration_s)
-    plan = ObservingPlan(load_layout("ska-mid-aa4"), track, Channels.from_band(950e6, 1190e6, 1))
-    g = cmath.rect(arguments.shear, math.pi / 4)
-    survey = Survey(
-        plan,
-        (g, -g) if arguments.shear else (0j,),
-        snr_min=10.0,
-        seed=arguments.seed,
-        executor=in_threads(arguments.threads),
+def measured(arguments: argparse.Namespace, density: float) -> list:
+    """Return the bias of each estimator."""
+    resources = uvshear.Resources(executor=in_threads(arguments.threads))
+    track = uvshear.Track.from_clock(PHASE_CENTRE, ((-14400.0, 14400.0),), arguments.integration_s)
+    channels = uvshear.Channels.from_band(950e6, 1190e6, 1)
+    plan = uvshear.ObservingPlan(uvshear.load_layout("ska-mid-aa4"), track, channels)
+    survey = uvshear.Survey(plan, snr_min=10.0)
+    crowd = survey.crowd(
+        opposite_shears(arguments.shear),
+        arguments.galaxies,
+        density,
+        arguments.seed,
+        resources.executor,
     )
-    crowd = survey.crowd(arguments.galaxies, density)
-    known = {"mean": FieldMean(), "moments": FieldMoments(), "bayesian": FieldBayesian()}
-    chosen = {name: known[name] for name in arguments.estimator}
-    options = MeasurementOptions(executor=in_threads(arguments.threads))
-    biases = calibrate_crowded(
-        crowd,
-        list(chosen.values()),
-        options,
-        lambda done, count: print(f"{density:g}: extraction {done} of {count}", flush=True),
-    )
-    return dict(zip(chosen, biases, strict=True))
+    estimators = [estimator_of(name) for name in arguments.estimator]
+
+    def measure(observation: VisibilitySet, lensed: Galaxies) -> uvshear.Measurement:
+        catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)
+        return uvshear.measure(observation, catalogue, keep=estimators, resources=resources)
+
+    def show(done: int, count: int) -> None:
+        print(f"{density:g}: extraction {done} of {count}", flush=True)
+
+    return list(estimate_crowded_bias(crowd, estimators, measure, show))
 
 
 def parse() -> argparse.Namespace:

@@ -25,15 +25,16 @@ from slopes import slope_figures
 
 import uvshear
 from uvshear.constants import ARCSEC, MICROJANSKY
-from uvshear.diagnostics.slope import fit_slope
+from uvshear.diagnostics.slope import fit_slope, population_weights
 from uvshear.execution import Executor, in_threads
-from uvshear.extraction.converged.beams import gather_beams
-from uvshear.extraction.converged.major_cycle import Gridding, ModelledSky, gather_residuals
-from uvshear.extraction.converged.plan import SMALL, Wanted, plan_visit
+from uvshear.extraction.converged.beams import BeamPlan, gather_beams
+from uvshear.extraction.converged.major_cycle import gather_residuals
+from uvshear.extraction.converged.plan import SMALL, FacetRequests, plan_major_cycle
 from uvshear.galaxy import Exponential, Galaxies, SizeFluxRelation
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
+from uvshear.predict.gridded import Gridding, ModelledSky
 from uvshear.predict.response import Response
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.prior import ShapePrior
@@ -126,15 +127,16 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, executor: Executor) -> Ta
     width = np.maximum(45 * median, 12 * long_axis)
     pixel = 1 / (2.4 * float(uv_max.max()))
     lm = np.column_stack([galaxies.l, galaxies.m])
-    plan = plan_visit(
-        Wanted(galaxies.l, galaxies.m, np.minimum(width, 560 * pixel), uv_max),
+    plan = plan_major_cycle(
+        FacetRequests(galaxies.l, galaxies.m, np.minimum(width, 560 * pixel), uv_max),
         0.0,
         float(uv_max.max()),
     )
     nothing = replace(galaxies, flux=np.zeros(len(galaxies)))
     gridding = Gridding(executor=executor)
-    response = Response.of(galaxies)
-    beams = gather_beams(noise, lm, (0.0, float(uv_max.max())), plan.pixel, response, gridding)
+    response = Response.from_sky(galaxies)
+    beam_plan = BeamPlan.around(lm, 0.0, float(uv_max.max()), plan.pixel)
+    beams = gather_beams(noise, beam_plan, response, gridding)
     half = np.full(len(galaxies), 20 * ARCSEC)
     residuals = gather_residuals(
         noise, plan, ModelledSky(nothing, half, response, profile), gridding
@@ -202,7 +204,7 @@ def figures(galaxies: Galaxies, table: Table, chosen: np.ndarray) -> dict[str, f
         measured, error = np.array(table[name])[chosen], np.array(table[f"{name}_err"])[chosen]
         difference.append(measured - part)
         pulls.append((measured - part) / error)
-        slope = fit_slope(part, measured, error)
+        slope = fit_slope(part, measured, error, population_weights)
         row |= {f"slope_{name}": slope.value, f"slope_{name}_err": slope.error}
     pull = np.concatenate(pulls)
     return row | {

@@ -10,7 +10,6 @@ field (2400^2 pixels of 0.15 arcsec, epsilon 1e-4), both in this process, compil
 
 import argparse
 import cProfile
-import json
 import math
 import pstats
 import time
@@ -23,7 +22,6 @@ from astropy.table import Table
 import uvshear
 from uvshear.constants import ARCSEC
 from uvshear.execution import in_threads
-from uvshear.extraction import MeasurementOptions
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.plot.figure import BLUE, GREY, ORANGE, new_figure, save
 
@@ -48,20 +46,20 @@ def main() -> None:
 def growth(threads: int) -> Table:
     """Cost for more and more rows, then for more and more sources."""
     rows = []
-    print("series   rows      sources  wall [s]  CPU [s]  visits")
+    print("series   rows      sources  wall [s]  CPU [s]  cycles")
     for series, arcmin, integration in (
         *(("rows", 6.0, seconds) for seconds in (1800.0, 600.0, 200.0, 60.0)),
         *(("sources", arcmin, 900.0) for arcmin in (3.0, 6.0, 12.0, 24.0)),
     ):
         world = field(arcmin, integration)
-        wall, cpu, visits = measure(world, threads)
+        wall, cpu, cycles = measure(world, threads)
         number = sum(map(len, world[1].blocks))
-        rows.append((series, number, len(world[0]), wall, cpu, visits))
+        rows.append((series, number, len(world[0]), wall, cpu, cycles))
         print(
-            f"{series:8s} {number:8d}  {len(world[0]):7d}  {wall:8.1f}  {cpu:7.1f}  {visits:6d}",
+            f"{series:8s} {number:8d}  {len(world[0]):7d}  {wall:8.1f}  {cpu:7.1f}  {cycles:6d}",
             flush=True,
         )
-    return Table(rows=rows, names=("series", "rows", "sources", "wall", "cpu", "visits"))
+    return Table(rows=rows, names=("series", "rows", "sources", "wall", "cpu", "cycles"))
 
 
 def draw_growth(table: Table, picture: Path) -> None:
@@ -93,11 +91,10 @@ def measure(world, threads: int) -> tuple[float, float, int]:
     galaxies, observation = world
     catalogue = catalogue_from_galaxies(galaxies, survey.PHASE_CENTRE)
     wall, cpu = time.perf_counter(), time.process_time()
-    shapes = uvshear.measure(
-        observation, catalogue, MeasurementOptions(executor=in_threads(threads))
-    )
-    visits = json.loads(shapes.meta["extract"])["visits"]
-    return time.perf_counter() - wall, time.process_time() - cpu, visits
+    resources = uvshear.Resources(executor=in_threads(threads))
+    measurement = uvshear.measure(observation, catalogue, resources=resources)
+    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    return wall, cpu, int(measurement.record["major_cycles"])
 
 
 def against_gridder(threads: int) -> None:
@@ -118,9 +115,9 @@ def against_gridder(threads: int) -> None:
         nthreads=threads,
     )
     gridder = time.process_time() - cpu
-    _, extraction, visits = measure(world, threads)
+    _, extraction, cycles = measure(world, threads)
     print(
-        f"{len(chunk)} rows, {len(world[0])} sources: {extraction:.1f} s CPU in {visits} visits; "
+        f"{len(chunk)} rows, {len(world[0])} sources: {extraction:.1f} s CPU in {cycles} major cycles; "
         f"one pass of the gridder {gridder:.2f} s; ratio {extraction / gridder:.1f}"
     )
 

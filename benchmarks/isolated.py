@@ -10,17 +10,15 @@ with the catalogue's true position and flux.
 
 import argparse
 import math
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
 
 import numpy as np
 import survey
 from survey import FREQUENCY, PHASE_CENTRE
 
 import uvshear
-from uvshear.diagnostics.slope import fit_slope
-from uvshear.execution import in_threads
-from uvshear.extraction import MeasurementOptions, PaperExtraction
+from uvshear.constants import MICROJANSKY
+from uvshear.diagnostics.slope import fit_slopes
+from uvshear.execution import in_processes
 from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable, ScaleLengths
 from uvshear.extraction.paper.exact import ExactFacets
 from uvshear.galaxy import Exponential, Galaxies
@@ -36,14 +34,13 @@ def main() -> None:
     galaxies = draw(arguments.galaxies, arguments.seed)
     snr = np.geomspace(*arguments.snr[[0, -1]], arguments.galaxies)
     snr = np.random.default_rng(arguments.seed + 1).permutation(snr)
-    extraction = PaperExtraction(facet=facet_method(arguments), rounds=arguments.rounds)
-    options = MeasurementOptions(extraction=extraction)
+    extraction = uvshear.PaperExtraction(facet=facet_method(arguments), passes=arguments.passes)
     jobs = [
-        (galaxies.select(np.array([i])), snr[i], arguments.seed + 100 + i, arguments, options)
+        (galaxies.select(np.array([i])), float(snr[i]), arguments.seed + 100 + i)
         for i in range(arguments.galaxies)
     ]
-    with ProcessPoolExecutor(arguments.processes) as pool:
-        rows = list(pool.map(measure_one, jobs, chunksize=4))
+    setting = (arguments, uvshear.Method(extraction=extraction))
+    rows = list(in_processes(arguments.processes).distribute(measure_one, setting, jobs))
     report(galaxies.ellipticity, rows)
 
 
@@ -55,7 +52,7 @@ def parse() -> argparse.Namespace:
         "--facet", choices=["exact", "cell-average", "paper-table"], default="exact"
     )
     parser.add_argument("--scale-lengths", type=float, help="field of view of a facet")
-    parser.add_argument("--rounds", type=int, default=2)
+    parser.add_argument("--passes", type=int, default=2)
     parser.add_argument("--integration-s", type=float, default=2000.0)
     parser.add_argument("--without-w", action="store_true", help="all baselines in one plane")
     parser.add_argument("--seed", type=int, default=1)
@@ -78,8 +75,10 @@ def draw(number: int, seed: int) -> Galaxies:
     return survey.draw(DiscField(math.radians(0.7)), number, np.random.default_rng(seed))
 
 
-def measure_one(job: tuple) -> tuple[complex, float, float, float, float, str, float]:
-    galaxy, snr, seed, arguments, options = job
+def measure_one(
+    setting: tuple, job: tuple
+) -> tuple[complex, float, float, float, float, str, float]:
+    (arguments, method), (galaxy, snr, seed) = setting, job
     uvw = survey.coverage(arguments.integration_s).uvw
     if arguments.without_w:
         uvw[:, 2] = 0
@@ -93,8 +92,9 @@ def measure_one(job: tuple) -> tuple[complex, float, float, float, float, str, f
     shape = uvshear.measure(
         observation,
         catalogue_from_galaxies(galaxy, PHASE_CENTRE),
-        replace(options, executor=in_threads(1)),
-    )[0]
+        method=method,
+        resources=uvshear.Resources(executor=uvshear.Serial()),
+    ).shapes[0]
     e = complex(shape["e1"], shape["e2"])
     return (
         e,
@@ -122,7 +122,8 @@ def report(true: np.ndarray, rows: list[tuple]) -> None:
     parts = zip(("e1", "e2"), (np.real, np.imag), errors, strict=True)
     for name, part, error in parts:
         x, y = part(true), part(measured)
-        weighted, plain = fit_slope(x, y, error), fit_slope(x, y)
+        slopes = fit_slopes(x, y, error)
+        weighted, plain = slopes.population, slopes.unweighted
         difference, large = y - x, np.abs(true) > 0.5
         pull = difference / error
         print(

@@ -17,25 +17,12 @@ from pathlib import Path
 import numpy as np
 from astropy.table import Table, vstack
 
-from uvshear.bias.estimators import (
-    BayesianEstimator,
-    Estimator,
-    MeanEstimator,
-    MomentEstimator,
-)
-from uvshear.bias.experiment import Experiment, calibrate
-from uvshear.bias.isolated import Beam
-from uvshear.bias.survey import Survey
+import uvshear
+from uvshear.bias.isolated import Experiment, estimate_isolated_bias
 from uvshear.constants import ARCSEC, MICROJANSKY
-from uvshear.estimators.evidence import UnlensedPopulation
-from uvshear.execution import in_threads
+from uvshear.execution import in_processes, in_threads
 from uvshear.galaxy import Exponential, PowerLawFlux, SizeFluxRelation
-from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.coverage import Track
-from uvshear.interferometer.layout import load_layout
-from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.psf_shape import measure_psf
-from uvshear.interferometer.spectral_window import Channels
 from uvshear.shapes.prior import ShapePrior
 from uvshear.simulation.population import Population
 
@@ -46,14 +33,14 @@ SNR = 20.0
 
 
 def main() -> None:
-    """Calibrate without shear, print, add to the table."""
+    """Measure the bias without shear, print, add to the table."""
     arguments = parse()
     rows = []
     for zenith in arguments.zenith_deg:
-        experiment = Experiment(beam(zenith), (0j,), snr_min=10.0, seed=arguments.seed)
+        experiment = isolated(zenith, arguments.seed)
         rows += measured(arguments, experiment, {"zenith_deg": zenith, "size_arcsec": 0.0})
     for size in arguments.size_arcsec:
-        experiment = of_size(beam(40.0), size, arguments.seed)
+        experiment = of_size(isolated(40.0, arguments.seed), size)
         rows += measured(arguments, experiment, {"zenith_deg": 40.0, "size_arcsec": size})
     table = Table(rows)
     table.pprint_all()
@@ -74,48 +61,47 @@ def parse() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def beam(zenith_deg: float) -> Beam:
-    """Beam of a track about transit, North of the zenith by an angle."""
-    centre = PhaseCentre(0.0, math.radians(LATITUDE + zenith_deg))
-    track = Track.from_clock(centre, ((-14400.0, 14400.0),), 300.0)
-    plan = ObservingPlan(load_layout("ska-mid-aa4"), track, Channels.from_band(950e6, 1190e6, 1))
-    return Survey(plan, (0j,), executor=in_threads(2)).alone().beam
+def isolated(zenith_deg: float, seed: int) -> Experiment:
+    """Galaxies alone in the beam of a track about transit, North of the zenith by an angle."""
+    centre = uvshear.PhaseCentre(0.0, math.radians(LATITUDE + zenith_deg))
+    track = uvshear.Track.from_clock(centre, ((-14400.0, 14400.0),), 300.0)
+    channels = uvshear.Channels.from_band(950e6, 1190e6, 1)
+    plan = uvshear.ObservingPlan(uvshear.load_layout("ska-mid-aa4"), track, channels)
+    return uvshear.Survey(plan, snr_min=10.0).isolated((0j,), seed, in_threads(2))
 
 
-def of_size(one: Beam, size_arcsec: float, seed: int) -> Experiment:
-    """Galaxies of one size and flux, the noise such that they have a signal-to-noise ratio of ``SNR``."""
+def of_size(experiment: Experiment, size_arcsec: float) -> Experiment:
+    """Galaxies of one size and flux, with noise that gives them a signal-to-noise ratio of ``SNR``."""
     flux = PowerLawFlux(minimum=20 * MICROJANSKY, maximum=20.002 * MICROJANSKY)
     relation = SizeFluxRelation(intercept=math.log(size_arcsec), slope=0.0)
     prior = ShapePrior(math.log(size_arcsec * ARCSEC), relation.sigma)
-    snr = flux.minimum * one.stage(*_lognormal(prior)).snr_of_jansky(prior, Exponential())
-    quiet = replace(one, image=one.image * (SNR / snr) ** 2, _stages={})
+    simulator = experiment.beam.simulator(prior.log_scale_length, prior.log_scale_length_sigma)
+    snr = flux.minimum * simulator.snr_of_jansky(prior, Exponential())
+    quieter = experiment.beam.image * (SNR / snr) ** 2
+    beam = replace(experiment.beam, image=quieter, _simulators={})
     population = Population(flux=flux, size=relation)
-    return Experiment(quiet, (0j,), population=population, size=relation, seed=seed)
+    return replace(experiment, beam=beam, population=population, size=relation, snr_min=0.0)
 
 
-def _lognormal(prior: ShapePrior) -> tuple[float, float]:
-    return prior.log_scale_length, prior.log_scale_length_sigma
-
-
-def estimator_of(name: str, experiment: Experiment) -> Estimator:
-    """Estimator of a name; the Bayesian one knows the population that is drawn from."""
+def estimator_of(name: str, experiment: Experiment) -> uvshear.Estimator:
+    """Return the estimator of a name; the Bayesian one knows the population that is drawn from."""
     if name == "bayesian":
         drawn = experiment.population
-        return BayesianEstimator(population=UnlensedPopulation(drawn.flux, drawn.size))
-    return MeanEstimator() if name == "mean" else MomentEstimator()
+        return uvshear.Bayesian(population=uvshear.UnlensedPopulation(drawn.flux, drawn.size))
+    return uvshear.Mean() if name == "mean" else uvshear.Moments()
 
 
 def measured(arguments: argparse.Namespace, experiment: Experiment, about: dict) -> list[dict]:
-    """One row a bin of flux."""
+    """Return one row for each bin of flux."""
     start = time.perf_counter()
     estimator = estimator_of(arguments.estimator, experiment)
-    biases = calibrate(experiment, estimator, arguments.galaxies, arguments.threads)
+    executor = in_processes(arguments.threads)
+    bias = estimate_isolated_bias(experiment, estimator, arguments.galaxies, executor)
     psf = measure_psf(experiment.beam.image, experiment.beam.pixel)
     shape = {"psf_e1": psf.ellipticity.real, "psf_e2": psf.ellipticity.imag}
-    seconds = time.perf_counter() - start
-    print(f"{about}: {biases[0]}, {seconds:.0f} s", flush=True)
+    print(f"{about}: {bias}, {time.perf_counter() - start:.0f} s", flush=True)
     first = {"estimator": arguments.estimator, "seed": arguments.seed, **about, **shape}
-    return [{**first, "flux": one.name, **one.record()} for one in biases]
+    return [{**first, "flux": part.name, **part.record()} for part in (bias, *bias.bins)]
 
 
 if __name__ == "__main__":

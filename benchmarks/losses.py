@@ -12,9 +12,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from uvshear.constants import ARCSEC
+import uvshear
+from uvshear.constants import ARCSEC, MICROJANSKY
 from uvshear.execution import in_threads
-from uvshear.extraction import MeasurementOptions
 from uvshear.galaxy import CatalogueSize, Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.attenuation import BandwidthSmearing, CombinedAttenuation, TimeSmearing
@@ -23,7 +23,6 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.primary_beam import AiryBeam
 from uvshear.interferometer.visibilities import Integrations, Visibilities, VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.pipeline import extract
 from uvshear.predict import predict_visibilities
 from uvshear.predict.losses import Losses
 
@@ -85,12 +84,14 @@ def errors(
 ) -> tuple[float, float]:
     """Largest error of e, and of the flux over itself."""
     # The whole product stands in for the dishes' beam: parts of it are to be left out one by one.
-    options = MeasurementOptions(
-        size=CatalogueSize(), executor=in_threads(2), smears=False, primary_beam=attenuation
-    )
-    found = extract(observation, catalogue_from_galaxies(modelled, CENTRE), options)[1].measurements
-    e = np.array([complex(*found[k].ellipticity) for k in range(len(true))])
-    flux = np.array([found[k].flux for k in range(len(true))])
+    shapes = uvshear.measure(
+        observation,
+        catalogue_from_galaxies(modelled, CENTRE),
+        model=uvshear.Model(size=CatalogueSize(), smears=False, primary_beam=attenuation),
+        resources=uvshear.Resources(executor=in_threads(2)),
+    ).shapes
+    e = np.array(shapes["e1"]) + 1j * np.array(shapes["e2"])
+    flux = np.array(shapes["flux_fit"]) * MICROJANSKY
     return float(np.abs(e - true.ellipticity).max()), float(np.abs(flux / true.flux - 1).max())
 
 

@@ -26,7 +26,7 @@ PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
 
 NUMBER = r"[-+−]?[\d?]+(?:\.[\d?]+)?(?:e-?\d+)?"
 QUOTE = re.compile(
-    rf"(?P<value>{NUMBER})(?: ± (?P<error>{NUMBER}))?(?P<unit>(?: ?[^\W\d]+| ?%)?)"
+    rf"(?P<value>{NUMBER})(?P<sign>\s±\s)?(?P<error>(?(sign){NUMBER}))(?P<unit>(?:\s?[^\W\d]+|\s?%)?)"
     r"<!-- (?P<record>[\w-]+)/(?P<name>[^\s]+) -->"
 )
 COMMENT = re.compile(r"<!-- [\w-]+/[^\s]+ -->")
@@ -68,7 +68,7 @@ def _quote(page: Path, match: re.Match[str]) -> Quote:
     figures, name = load(match["record"]), match["name"]
     recorded = formatted(figures.get(name), match["value"])
     text = match["value"]
-    if match["error"] is not None:
+    if match["error"]:
         text += f" ± {match['error']}"
         recorded += f" ± {formatted(figures.get(f'{name}_err'), match['error'])}"
     return Quote(page, match["record"], name, text, recorded)
@@ -98,8 +98,9 @@ def rewritten(page: Path, text: str) -> str:
     """Put the records' numbers into a page."""
 
     def replace(match: re.Match[str]) -> str:
-        quote = _quote(page, match)
-        return match[0].replace(quote.text, quote.recorded, 1)
+        value, _, error = _quote(page, match).recorded.partition(" ± ")
+        ending = match[0][match.end("error") - match.start() :]
+        return value + (match["sign"] or "") + error + ending
 
     return QUOTE.sub(replace, text)
 

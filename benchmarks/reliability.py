@@ -1,6 +1,6 @@
 """How narrow the posteriors of isolated galaxies are, over what the Fisher matrix and the prior make of them.
 
-Galaxies and options are those of isolated.py, in one round.
+Galaxies and options are those of isolated.py, in one pass.
 
 python benchmarks/reliability.py --galaxies 100 --snr 3 10
 python benchmarks/reliability.py --galaxies 120 --snr 5 30 --facet paper-table
@@ -11,7 +11,7 @@ from collections import Counter
 import numpy as np
 from isolated import draw, facet_method, measure_one, parse
 
-from uvshear.extraction import MeasurementOptions, PaperExtraction
+import uvshear
 from uvshear.shapes import shape
 
 
@@ -20,7 +20,7 @@ def main() -> None:
     arguments = parse()
     galaxies = draw(arguments.galaxies, arguments.seed)
     snr = np.geomspace(*arguments.snr[[0, -1]], arguments.galaxies)
-    options = MeasurementOptions(extraction=PaperExtraction(facet_method(arguments)))
+    method = uvshear.Method(extraction=uvshear.PaperExtraction(facet_method(arguments)))
     expected: list[float] = []
     expect = shape._expected_e_sigma
 
@@ -33,7 +33,7 @@ def main() -> None:
     for i in range(arguments.galaxies):
         expected.clear()
         one = galaxies.select(np.array([i]))
-        _, _, _, e_sigma, _, flag, _ = measure_one((one, snr[i], 100 + i, arguments, options))
+        _, _, _, e_sigma, _, flag, _ = measure_one((arguments, method), (one, snr[i], 100 + i))
         flags[flag] += 1
         if flag in {"ok", "unreliable"}:
             ratios.append(e_sigma / expected[-1])

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uvshear.diagnostics.slope import fit_slope
+from uvshear.diagnostics.slope import equal_weights, fit_slope, population_weights
 
 FLUX_BINS_UJY = ((10, 20), (20, 50), (50, 200))
 
@@ -65,8 +65,8 @@ def slope_figures(
             f"effective_galaxies_{name}": round(paper.effective),
         }
         for kind, fitted in (
-            ("population", fit_slope(x, y, error)),
-            ("unweighted", fit_slope(x, y)),
+            ("population", fit_slope(x, y, error, population_weights)),
+            ("unweighted", fit_slope(x, y, error, equal_weights)),
         ):
             figures |= {
                 f"slope_{kind}_{name}": fitted.value,

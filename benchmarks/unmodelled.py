@@ -16,9 +16,8 @@ from astropy.table import Table
 
 import uvshear
 from uvshear.constants import ARCMIN, ARCSEC, MICROJANSKY
-from uvshear.diagnostics.slope import fit_slope
+from uvshear.diagnostics.slope import fit_slope, population_weights
 from uvshear.execution import in_threads
-from uvshear.extraction import MeasurementOptions
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import Catalogue, catalogue_from_galaxies
@@ -79,7 +78,8 @@ def main() -> None:
 
 
 def measure(observation: VisibilitySet, catalogue: Catalogue) -> Table:
-    return uvshear.measure(observation, catalogue, MeasurementOptions(executor=in_threads(2)))
+    resources = uvshear.Resources(executor=in_threads(2))
+    return uvshear.measure(observation, catalogue, resources=resources).shapes
 
 
 def replace_sources(catalogue: Catalogue, index: np.ndarray) -> Catalogue:
@@ -99,7 +99,7 @@ def spot(source: Galaxies) -> np.ndarray:
 
 def add(observation: VisibilitySet, source: Galaxies) -> VisibilitySet:
     (block,) = observation.blocks
-    vis = predict_visibilities(source, block.uvw, block.frequency, Exponential(), 2)
+    vis = predict_visibilities(source, block.uvw, block.frequency, Exponential(), in_threads(2))
     return replace(observation, blocks=(block.with_stokes_i(block.stokes_i + vis),))
 
 
@@ -138,7 +138,8 @@ def tell(name: str, galaxies: Galaxies, right: Table, table: Table, wrong: np.nd
 def slope(true: np.ndarray, shapes: Table, e: str) -> str:
     if len(true) < 2:
         return "-    "
-    return f"{fit_slope(true, np.array(shapes[e]), np.array(shapes[f'{e}_err'])).value:.3f}"
+    measured, error = np.array(shapes[e]), np.array(shapes[f"{e}_err"])
+    return f"{fit_slope(true, measured, error, population_weights).value:.3f}"
 
 
 def rms(values: np.ndarray) -> float:

@@ -14,7 +14,6 @@ import numpy as np
 import uvshear
 from uvshear.constants import ARCSEC, MICROJANSKY, SPEED_OF_LIGHT
 from uvshear.execution import in_threads
-from uvshear.extraction import MeasurementOptions
 from uvshear.galaxy import DiscEllipticityPrior, Galaxies, PowerLawFlux, SizeFluxRelation
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
@@ -51,8 +50,9 @@ def main() -> None:
     catalogue = catalogue_from_galaxies(galaxies, CENTRE)
     true = {"e1": galaxies.ellipticity.real, "e2": galaxies.ellipticity.imag}
     for name, weightings in WEIGHTINGS.items():
-        options = MeasurementOptions(weightings=weightings, executor=in_threads(arguments.threads))
-        shapes = uvshear.measure(observation, catalogue, options)
+        method = uvshear.Method(weightings=weightings)
+        resources = uvshear.Resources(executor=in_threads(arguments.threads))
+        shapes = uvshear.measure(observation, catalogue, method=method, resources=resources).shapes
         good = np.array(shapes["flag"]) == "ok"
         pull = np.concatenate([((shapes[e] - true[e]) / shapes[f"{e}_err"])[good] for e in true])
         width = 1.4826 * np.median(np.abs(pull))

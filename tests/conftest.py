@@ -1,7 +1,12 @@
-"""Run-time checks of array types, switched on before any module of the package is imported."""
+"""Run-time checks of array types, switched on before any module of the package is imported; the list of slow tests.
+
+``tests/slow_tests.txt`` lists the tests that take long, which ``make test-fast`` leaves out. All tests run with
+``pytest -n auto -m "not referee" --record-slow`` measure it anew.
+"""
 
 import importlib.util
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 import jaxtyping
@@ -39,3 +44,47 @@ def _one_thread_for_linear_algebra():
     """As calibrations and extractions have it: workers of the tests share the cores as it is."""
     with threadpool_limits(1, user_api="blas"):
         yield
+
+
+SLOW_TESTS = Path(__file__).parent / "slow_tests.txt"
+SLOW_SECONDS = 0.5
+"""Duration, with fixtures and all of its parameters, from which a test is slow."""
+
+_seconds: dict[str, float] = {}
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option that measures which tests are slow."""
+    parser.addoption(
+        "--record-slow",
+        action="store_true",
+        help=f"Write the list of slow tests, {SLOW_TESTS.name}.",
+    )
+
+
+def pytest_collection_modifyitems(items: Iterable[pytest.Item]) -> None:
+    """Mark the tests of the list."""
+    lines = SLOW_TESTS.read_text(encoding="utf-8").splitlines() if SLOW_TESTS.exists() else []
+    slow = set(lines)
+    for item in items:
+        if _function(item.nodeid) in slow:
+            item.add_marker(pytest.mark.slow)
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Add up the time of a test with its fixtures."""
+    name = _function(report.nodeid)
+    _seconds[name] = _seconds.get(name, 0.0) + report.duration
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Write the list, if asked to, in the process that has seen all tests."""
+    is_worker = hasattr(session.config, "workerinput")
+    if session.config.getoption("--record-slow") and not is_worker:
+        slow = sorted(name for name, seconds in _seconds.items() if seconds > SLOW_SECONDS)
+        SLOW_TESTS.write_text("".join(f"{name}\n" for name in slow), encoding="utf-8")
+
+
+def _function(nodeid: str) -> str:
+    """Name of a test without its parameters."""
+    return nodeid.partition("[")[0]

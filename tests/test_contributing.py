@@ -61,7 +61,7 @@ def test_the_extraction_is_found_by_name_and_is_one(example):
 
 
 def test_the_reader_opens_what_was_saved(example, tmp_path):
-    from uvshear.io.readers import Reading
+    from uvshear.io.reading import Reading
 
     rng = np.random.default_rng(1)
     arrays = {

@@ -21,7 +21,7 @@ GALAXIES = 100
 
 @pytest.fixture
 def field(tmp_path, monkeypatch):
-    """FIELD.ms and CAT.fits, of six galaxies at signal-to-noise ratios of some hundreds, in the working directory."""
+    """FIELD.ms and CAT.fits, of six galaxies at signal-to-noise ratios of about a hundred, in the working directory."""
     from uvshear.io.measurement_set_writer import write_measurement_set
 
     monkeypatch.chdir(tmp_path)
@@ -30,7 +30,7 @@ def field(tmp_path, monkeypatch):
         {
             "l": np.array([1.0, -1.0, 0.3, -0.6, 1.4, 0.2]) * 1e-3,
             "m": np.array([0.5, 2.0, -0.8, -1.5, -0.4, 1.2]) * 1e-3,
-            "flux": np.array([500.0, 800.0, 600.0, 700.0, 900.0, 550.0]) * units.uJy,
+            "flux": np.array([90.0, 120.0, 100.0, 110.0, 130.0, 95.0]) * units.uJy,
             "scale_length": np.array([3.0, 3.6, 3.2, 3.4, 3.8, 3.1]) * units.arcsec,
             "e1": rng.uniform(-0.3, 0.3, 6),
             "e2": rng.uniform(-0.3, 0.3, 6),
@@ -50,8 +50,10 @@ def test_the_python_of_the_readme_runs(field, capsys):
     for block in BLOCKS:
         code = re.sub(r"galaxies=\d+", f"galaxies={GALAXIES}", block)
         exec(compile(code, "README.md", "exec"), names)
-        measurement = names["m"]
-        assert list(measurement.shapes["flag"]) == ["ok"] * len(field)
+        flags = list(names["m"].shapes["flag"])
+        assert len(flags) == len(field)
+        # The galaxies are exponential discs: a Moffat profile leaves something of them.
+        assert "Moffat" in block or flags == ["ok"] * len(field)
     printed = capsys.readouterr().out
     assert "Measurement" in printed
     assert "moments" in printed
@@ -77,7 +79,7 @@ def test_a_task_takes_five_lines_of_python_at_most(block):
 def test_the_table_of_commands_is_that_of_the_command_line():
     from uvshear.cli.application import app
 
-    table = set(re.findall(r"^\| `(\w+)` \|", README, re.M)) - {"moments", "bayesian", "mean"}
+    table = set(re.findall(r"^\| `(\w+)` \|", README, re.M))
     commands = {info.name or info.callback.__name__ for info in app.registered_commands}
     assert table == commands
 

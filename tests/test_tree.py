@@ -131,6 +131,17 @@ def test_every_option_and_every_command_has_a_help_text():
     assert [name for name, text in _help_texts() if not text and not name.endswith("--help")] == []
 
 
+def test_the_list_of_slow_tests_names_tests_that_exist():
+    listed = (ROOT / "tests" / "slow_tests.txt").read_text(encoding="utf-8").split()
+    missing = []
+    for name in listed:
+        path, _, function = name.partition("::")
+        file = ROOT / path
+        if not file.exists() or f"def {function}(" not in file.read_text(encoding="utf-8"):
+            missing.append(name)
+    assert missing == []
+
+
 @pytest.mark.parametrize("module", MODULES, ids=_relative)
 def test_a_file_has_fewer_than_four_hundred_lines(module):
     assert len(module.read_text(encoding="utf-8").splitlines()) <= 400

@@ -1,18 +1,53 @@
 """Weak-lensing galaxy shapes and shear, measured directly from interferometric visibilities.
 
-In the order of their use:
+Each command of the command line is a function, and paths, tables and objects are taken alike:
 
-``simulate`` lets an array observe galaxies. ``measure`` turns visibilities and a catalogue into a ``Measurement``: shapes,
-and statistics for estimators of the shear; ``read_measurement`` reads one from its files. ``estimate_shear`` turns a
-measurement into a shear, and ``estimate_bias`` tells how far an estimator is from the truth, on simulated galaxies.
+>>> m = uvshear.measure("FIELD.ms", "CAT.fits", keep="moments")
+>>> m.write("SHAPES.fits")
+>>> print(uvshear.estimate_shear(m, "moments"))
 
-What is measured comes from ``open_observation`` and ``read_catalogue``, or is given as paths. How it is measured is said
-by a ``Model`` (profile, priors, primary beam), a ``Method`` (the extraction and its tolerances, baselines, weightings)
-and ``Resources`` (an executor, memory).
+Quantities are in SI units, radians and jansky. Shears are in the frame of local North, as TreeCorr takes RA and Dec.
 
-Profiles, priors, estimators, extractions, executors, readers and primary beams may be objects of your own: derive them
-from ``Profile``, ``EllipticityPrior``, ``SizeModel``, ``Estimator``, ``Extraction``, ``Executor``, ``Reader`` and
-``Attenuation``.
+Measure
+    ``measure`` turns visibilities and a catalogue into a ``Measurement``, which ``read_measurement`` reads back from
+    its files. ``FitFlag`` lists the flags of sources, ``DataWarning`` tells of the data, and ``InputError`` of what is
+    wrong with an input.
+Visibilities
+    ``open_observation`` opens files as a ``Reading`` says, ``inspect`` summarises one, and ``scaled_to_its_noise``
+    takes the noise from the scatter of the data. ``VisibilitySet`` holds ``Visibilities`` in memory about a
+    ``PhaseCentre``.
+Catalogues
+    ``read_catalogue`` and ``write_catalogue`` keep a ``Catalogue`` in a file; ``catalogue_from_galaxies`` makes one.
+What is believed: ``Model``
+    Profiles are ``Exponential``, ``Gaussian``, ``Sersic`` and ``DiscBulge``. Sizes come from ``SizeFluxRelation`` or
+    ``CatalogueSize``. Priors of the ellipticity are ``FlatEllipticityPrior`` and ``DiscEllipticityPrior``. Primary
+    beams are ``AiryBeam``, ``CosineCubedBeam`` and ``CosineTaperBeam``.
+How it is done: ``Method``
+    ``ConvergedExtraction`` or ``PaperExtraction``, a ``UvRange``, and weightings: ``Uniform``, ``Briggs``,
+    ``GaussianTaper``, ``TukeyTaper`` and ``RoundPsf``.
+What may be used: ``Resources``
+    Memory, and an executor: ``Serial``, ``Threads`` or ``Processes``.
+Shear
+    ``estimate_shear`` gives a ``ShearEstimate`` by ``Mean``, ``Moments``, ``Bayesian`` or ``Metacal``;
+    ``read_population`` reads an ``UnlensedPopulation`` that Bayesian estimates assume. ``fit_slopes`` compares
+    measured with true ellipticities.
+Bias
+    ``estimate_bias`` simulates the ``Bias`` of an estimator for galaxies of a ``Survey``; ``read_correction`` reads
+    one that the command line has written, to correct a shear.
+Simulate
+    ``simulate`` lets the array of an ``ObservingPlan`` (``known_layouts``, ``load_layout``, ``Track``, ``Channels``)
+    observe a catalogue, with ``GalaxyNoise``, ``StokesINoise`` or ``CorrelationNoise``; ``write_measurement_set``
+    writes the observation. ``draw_population`` draws ``Galaxies`` of a ``Population`` (``PowerLawFlux``) in a
+    ``SquareField`` or a ``DiscField``, ``expected_number`` of them. ``shear_galaxies`` is what a lens does,
+    ``shear_at_fixed_scale_length`` what the paper's simulations do.
+Images and the PSF
+    ``point_spread_function`` images the weights of an observation on an ``ImageGrid``; ``measure_psf`` and
+    ``fit_main_lobe`` measure it. ``weighted`` applies weightings, and ``weighting_loss`` is the information that they
+    cost. ``write_residual_image`` writes what ``Measurement.residual_image`` gives. ``plot`` has the pictures.
+Objects of your own
+    Derive them from ``Profile``, ``SizeModel``, ``EllipticityPrior``, ``Attenuation``, ``Noise``, ``Weighting``,
+    ``Extraction``, ``Executor``, ``Reader`` or ``Estimator``. An estimator keeps a ``Column`` for each number that it
+    takes from a ``SourceFacet``, and turns a ``Sample`` into ``Terms``.
 """
 
 from importlib import import_module
@@ -21,7 +56,11 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:
+    from uvshear import plot
     from uvshear.bias import Bias, Survey, estimate_bias
+    from uvshear.diagnostics.psf import point_spread_function
+    from uvshear.diagnostics.slope import fit_slopes
+    from uvshear.diagnostics.weighting_loss import weighting_loss
     from uvshear.errors import DataWarning, InputError
     from uvshear.estimators import (
         Bayesian,
@@ -34,7 +73,13 @@ if TYPE_CHECKING:
         Terms,
         UnlensedPopulation,
     )
-    from uvshear.execution import Executor, Processes, Resources, Serial, Threads
+    from uvshear.execution import (
+        Executor,
+        Processes,
+        Resources,
+        Serial,
+        Threads,
+    )
     from uvshear.extraction import (
         ConvergedExtraction,
         Extraction,
@@ -58,6 +103,7 @@ if TYPE_CHECKING:
         SizeModel,
     )
     from uvshear.geometry.directions import PhaseCentre
+    from uvshear.imaging import ImageGrid
     from uvshear.interferometer import (
         Attenuation,
         Channels,
@@ -66,99 +112,128 @@ if TYPE_CHECKING:
         UvRange,
         Visibilities,
         VisibilitySet,
+        known_layouts,
         load_layout,
     )
+    from uvshear.interferometer.noise import CorrelationNoise, Noise, StokesINoise
+    from uvshear.interferometer.noise_estimate import scaled_to_its_noise
+    from uvshear.interferometer.primary_beam import AiryBeam, CosineCubedBeam, CosineTaperBeam
+    from uvshear.interferometer.psf_shape import fit_main_lobe, measure_psf
+    from uvshear.interferometer.weighting import (
+        Briggs,
+        GaussianTaper,
+        RoundPsf,
+        TukeyTaper,
+        Uniform,
+        Weighting,
+        weighted,
+    )
     from uvshear.io.bias_records import read_correction
-    from uvshear.io.catalogue import Catalogue, read_catalogue, write_catalogue
+    from uvshear.io.catalogue import (
+        Catalogue,
+        catalogue_from_galaxies,
+        read_catalogue,
+        write_catalogue,
+    )
+    from uvshear.io.images import write_residual_image
     from uvshear.io.measurement_set_writer import write_measurement_set
-    from uvshear.io.observations import open_observation
+    from uvshear.io.observations import inspect, open_observation
+    from uvshear.io.population import read_population
     from uvshear.io.readers import Reader
+    from uvshear.io.reading import Reading
     from uvshear.pipeline.measure import measure
     from uvshear.pipeline.measurement import Measurement, read_measurement
     from uvshear.pipeline.shear import estimate_shear
     from uvshear.pipeline.simulate import simulate
+    from uvshear.shapes.measurement import FitFlag
     from uvshear.shapes.source_facet import Column, SourceFacet
+    from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
     from uvshear.simulation.noise_level import GalaxyNoise
+    from uvshear.simulation.population import Population, draw_population, expected_number
+    from uvshear.simulation.sky_region import DiscField, SquareField
 
 _HOMES = {
-    "bias": ("Bias", "Survey", "estimate_bias"),
-    "errors": ("DataWarning", "InputError"),
+    "bias": "Bias Survey estimate_bias",
+    "diagnostics.psf": "point_spread_function",
+    "diagnostics.slope": "fit_slopes",
+    "diagnostics.weighting_loss": "weighting_loss",
+    "errors": "DataWarning InputError",
     "estimators": (
-        "Bayesian",
-        "Estimator",
-        "Mean",
-        "Metacal",
-        "Moments",
-        "Sample",
-        "ShearEstimate",
-        "Terms",
-        "UnlensedPopulation",
+        "Bayesian Estimator Mean Metacal Moments Sample ShearEstimate Terms UnlensedPopulation"
     ),
-    "execution": ("Executor", "Processes", "Resources", "Serial", "Threads"),
-    "extraction": ("ConvergedExtraction", "Extraction", "Method", "Model", "PaperExtraction"),
+    "execution": "Executor Processes Resources Serial Threads",
+    "extraction": "ConvergedExtraction Extraction Method Model PaperExtraction",
     "galaxy": (
-        "CatalogueSize",
-        "DiscBulge",
-        "DiscEllipticityPrior",
-        "EllipticityPrior",
-        "Exponential",
-        "FlatEllipticityPrior",
-        "Galaxies",
-        "Gaussian",
-        "PowerLawFlux",
-        "Profile",
-        "Sersic",
-        "SizeFluxRelation",
-        "SizeModel",
+        "CatalogueSize DiscBulge DiscEllipticityPrior EllipticityPrior Exponential "
+        "FlatEllipticityPrior Galaxies Gaussian PowerLawFlux Profile Sersic SizeFluxRelation "
+        "SizeModel"
     ),
-    "geometry.directions": ("PhaseCentre",),
+    "geometry.directions": "PhaseCentre",
+    "imaging": "ImageGrid",
     "interferometer": (
-        "Attenuation",
-        "Channels",
-        "ObservingPlan",
-        "Track",
-        "UvRange",
-        "Visibilities",
-        "VisibilitySet",
-        "load_layout",
+        "Attenuation Channels ObservingPlan Track UvRange Visibilities VisibilitySet "
+        "known_layouts load_layout"
     ),
-    "io.bias_records": ("read_correction",),
-    "io.catalogue": ("Catalogue", "read_catalogue", "write_catalogue"),
-    "io.measurement_set_writer": ("write_measurement_set",),
-    "io.observations": ("open_observation",),
-    "io.readers": ("Reader",),
-    "pipeline.measure": ("measure",),
-    "pipeline.measurement": ("Measurement", "read_measurement"),
-    "pipeline.shear": ("estimate_shear",),
-    "pipeline.simulate": ("simulate",),
-    "shapes.source_facet": ("Column", "SourceFacet"),
-    "simulation.noise_level": ("GalaxyNoise",),
+    "interferometer.noise": "CorrelationNoise Noise StokesINoise",
+    "interferometer.noise_estimate": "scaled_to_its_noise",
+    "interferometer.primary_beam": "AiryBeam CosineCubedBeam CosineTaperBeam",
+    "interferometer.psf_shape": "fit_main_lobe measure_psf",
+    "interferometer.weighting": (
+        "Briggs GaussianTaper RoundPsf TukeyTaper Uniform Weighting weighted"
+    ),
+    "io.bias_records": "read_correction",
+    "io.catalogue": "Catalogue catalogue_from_galaxies read_catalogue write_catalogue",
+    "io.images": "write_residual_image",
+    "io.measurement_set_writer": "write_measurement_set",
+    "io.observations": "inspect open_observation",
+    "io.population": "read_population",
+    "io.readers": "Reader",
+    "io.reading": "Reading",
+    "pipeline.measure": "measure",
+    "pipeline.measurement": "Measurement read_measurement",
+    "pipeline.shear": "estimate_shear",
+    "pipeline.simulate": "simulate",
+    "shapes.measurement": "FitFlag",
+    "shapes.source_facet": "Column SourceFacet",
+    "simulation.lensing": "shear_at_fixed_scale_length shear_galaxies",
+    "simulation.noise_level": "GalaxyNoise",
+    "simulation.population": "Population draw_population expected_number",
+    "simulation.sky_region": "DiscField SquareField",
 }
 """Public names by the module that has them: each is imported when it is first asked for, so that help is instant."""
 
-_MODULE_OF = {name: module for module, names in _HOMES.items() for name in names}
+_MODULE_OF = {name: module for module, names in _HOMES.items() for name in names.split()}
 
 __all__ = [
+    "AiryBeam",
     "Attenuation",
     "Bayesian",
     "Bias",
+    "Briggs",
     "Catalogue",
     "CatalogueSize",
     "Channels",
     "Column",
     "ConvergedExtraction",
+    "CorrelationNoise",
+    "CosineCubedBeam",
+    "CosineTaperBeam",
     "DataWarning",
     "DiscBulge",
     "DiscEllipticityPrior",
+    "DiscField",
     "EllipticityPrior",
     "Estimator",
     "Executor",
     "Exponential",
     "Extraction",
+    "FitFlag",
     "FlatEllipticityPrior",
     "Galaxies",
     "GalaxyNoise",
     "Gaussian",
+    "GaussianTaper",
+    "ImageGrid",
     "InputError",
     "Mean",
     "Measurement",
@@ -166,14 +241,18 @@ __all__ = [
     "Method",
     "Model",
     "Moments",
+    "Noise",
     "ObservingPlan",
     "PaperExtraction",
     "PhaseCentre",
+    "Population",
     "PowerLawFlux",
     "Processes",
     "Profile",
     "Reader",
+    "Reading",
     "Resources",
+    "RoundPsf",
     "Sample",
     "Serial",
     "Sersic",
@@ -181,31 +260,55 @@ __all__ = [
     "SizeFluxRelation",
     "SizeModel",
     "SourceFacet",
+    "SquareField",
+    "StokesINoise",
     "Survey",
     "Terms",
     "Threads",
     "Track",
+    "TukeyTaper",
+    "Uniform",
     "UnlensedPopulation",
     "UvRange",
     "Visibilities",
     "VisibilitySet",
+    "Weighting",
     "__version__",
+    "catalogue_from_galaxies",
+    "draw_population",
     "estimate_bias",
     "estimate_shear",
+    "expected_number",
+    "fit_main_lobe",
+    "fit_slopes",
+    "inspect",
+    "known_layouts",
     "load_layout",
     "measure",
+    "measure_psf",
     "open_observation",
+    "plot",
+    "point_spread_function",
     "read_catalogue",
     "read_correction",
     "read_measurement",
+    "read_population",
+    "scaled_to_its_noise",
+    "shear_at_fixed_scale_length",
+    "shear_galaxies",
     "simulate",
+    "weighted",
+    "weighting_loss",
     "write_catalogue",
     "write_measurement_set",
+    "write_residual_image",
 ]
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first asked for."""
+    if name == "plot":
+        return import_module("uvshear.plot")
     if name in _MODULE_OF:
         found = getattr(import_module(f"uvshear.{_MODULE_OF[name]}"), name)
         globals()[name] = found
@@ -214,4 +317,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *_MODULE_OF})
+    return sorted({*globals(), *__all__})

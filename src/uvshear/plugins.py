@@ -7,9 +7,12 @@ A package registers a profile, say, by an entry point of the group ``uvshear.pro
     [project.entry-points."uvshear.profiles"]
     moffat = "my_package.moffat:Moffat"
 
-A name with a colon, ``my_file:Moffat``, names a module and an object in it, which need no registration.
+A name with a colon, ``my_file:Moffat``, names a module and an object in it. It needs no registration, and the module
+may be in the current directory.
 """
 
+import os
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -63,6 +66,9 @@ class Registry:
 
     def _place_of(self, name: str) -> str:
         if ":" in name:
+            # As `python` itself does, and workers of other processes after it.
+            if (here := os.getcwd()) not in sys.path:
+                sys.path.append(here)
             return name
         for point in self._registered():
             if point.name == name:

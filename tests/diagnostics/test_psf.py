@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from uvshear.constants import ARCSEC, SPEED_OF_LIGHT
-from uvshear.diagnostics.psf import point_spread_function, sample_coverage
+from uvshear.diagnostics.psf import PsfAccumulator, point_spread_function
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.imaging import ImageGrid
@@ -54,15 +54,12 @@ def test_an_empty_uv_range_is_refused() -> None:
         point_spread_function(weighted(_observation(), (TukeyTaper(1e7, 1e8),)), GRID)
 
 
-def test_the_coverage_has_every_row_with_weight() -> None:
-    coverage = sample_coverage(_observation())
-    assert coverage.rows == len(coverage.uvw) == 39
-    assert coverage.frequency.tolist() == [1.0e9, 1.2e9]
-
-
-def test_a_large_coverage_is_thinned_evenly() -> None:
-    coverage = sample_coverage(_observation(6000), most=1000)
-    assert coverage.rows == 5999
-    assert 900 < len(coverage.uvw) < 1100
-    whole = sample_coverage(_observation(6000)).uvw
-    assert abs(coverage.uvw.std() / whole.std() - 1) < 0.1
+def test_a_pass_in_two_parts_gives_the_psf_of_one() -> None:
+    observation = _observation()
+    first, later = PsfAccumulator(GRID), PsfAccumulator(GRID)
+    first.add(observation.blocks[0])
+    later.add(observation.blocks[1])
+    first.merge(later)
+    np.testing.assert_allclose(
+        first.result(), point_spread_function(observation, GRID), rtol=0, atol=1e-12
+    )

@@ -6,17 +6,17 @@ import pytest
 from tests.reference import dirty
 from tests.skies import galaxies, random_baselines
 from uvshear.constants import ARCSEC
-from uvshear.diagnostics.residual_image import plan_image
+from uvshear.diagnostics import residual_image
+from uvshear.diagnostics.residual_image import ResidualImageAccumulator, plan_image
 from uvshear.errors import InputError
 from uvshear.execution import in_threads
-from uvshear.extraction import residual, residual_image
-from uvshear.extraction.converged.major_cycle import Gridding
 from uvshear.galaxy import Exponential
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
-from uvshear.predict import predict_visibilities
+from uvshear.predict import gridded, predict_visibilities
+from uvshear.predict.gridded import Gridding
 
 FREQUENCY = np.array([1.2e9, 1.5e9])
 SKY = galaxies(
@@ -34,7 +34,7 @@ def _observe(sky, noise=0.0, rows=3000, more=NOTHING, depth=0.5):
     """Weights differ a hundredfold; w is up to half the longest baseline: a turn at the outermost source."""
     rng = np.random.default_rng(1)
     uvw = random_baselines(rows, 1.5e3, depth=depth)
-    vis = sum(predict_visibilities(one, uvw, FREQUENCY) for one in (sky, more))
+    vis = sum(predict_visibilities(part, uvw, FREQUENCY) for part in (sky, more))
     weights = 10 ** rng.uniform(6, 8, vis.shape)
     normal = rng.normal(size=(2, *vis.shape))
     vis = vis + noise * (normal[0] + 1j * normal[1]) / np.sqrt(weights)
@@ -45,8 +45,8 @@ def _observe(sky, noise=0.0, rows=3000, more=NOTHING, depth=0.5):
 
 
 def _image(observation, sky, **more):
-    extent = summarise(observation)
-    return residual_image.residual_image(observation, sky, Exponential(), extent=extent, **more)
+    summary = summarise(observation)
+    return residual_image.residual_image(observation, sky, Exponential(), summary=summary, **more)
 
 
 def _rms(x):
@@ -159,7 +159,7 @@ def test_a_uv_range_beyond_what_pixels_carry_is_refused():
 
 
 def test_bits_do_not_depend_on_the_threads(monkeypatch):
-    monkeypatch.setattr(residual, "SLAB", 2250)
+    monkeypatch.setattr(gridded, "SLAB", 2250)
     monkeypatch.setattr(residual_image, "DIRECT", 0)
     observation = _observe(SKY, noise=1.0)
     one, three = (
@@ -179,3 +179,17 @@ def test_every_sample_is_heard_of_three_times():
     heard = []
     _image(_observe(SKY), SKY, step=heard.append)
     assert sum(heard) == 3 * 6000
+
+
+def test_a_pass_in_two_parts_gives_the_images_of_one():
+    observation = _observe(SKY)
+    grid, used = plan_image(SKY, UvRange(), summarise(observation).longest)
+    first, later = (ResidualImageAccumulator(grid, used, None, Gridding()) for _ in range(2))
+    first.add(observation.blocks[0])
+    later.add(observation.blocks[1])
+    first.merge(later)
+    whole = _image(observation, SKY)
+    got = first.result()
+    assert got.samples == whole.samples
+    assert got.weight == pytest.approx(whole.weight, rel=1e-6)
+    np.testing.assert_allclose(got.dirty, whole.dirty, rtol=0, atol=1e-4 * _rms(whole.dirty))

@@ -103,7 +103,7 @@ def test_the_profile_is_that_of_the_source():
     bayesian, source = Bayesian(), source_facet(noise=6.0)
     for profile in (source.profile, Gaussian(), Gaussian()):
         bayesian.statistic(replace(source, profile=profile))
-    assert set(bayesian._condensers) == {source.profile, Gaussian()}
+    assert set(bayesian._caches) == {source.profile, Gaussian()}
 
 
 def test_a_facet_without_a_galaxy_has_no_statistic():

@@ -36,5 +36,5 @@ def test_drawn_fluxes_follow_the_density(law):
 
 
 def test_bounds_out_of_order_are_refused():
-    with pytest.raises(InputError, match="minimum < maximum"):
+    with pytest.raises(InputError, match="positive and below the maximum"):
         PowerLawFlux(minimum=2e-4, maximum=1e-5)

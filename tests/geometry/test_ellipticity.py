@@ -18,6 +18,7 @@ from uvshear.geometry.ellipticity import (
     quadratic_form_of,
     rotate,
     sheared_scale_length,
+    to_field_frame,
     to_local_north,
 )
 
@@ -116,6 +117,21 @@ def test_position_angle_is_that_of_astropy_along_the_long_axis(dec):
     difference = np.angle(np.exp(2j * (got - first.position_angle(second).rad))) / 2
     # measured 3.6e-5, the projection's foreshortening; a wrong rotation: 0.07 to 1.5
     assert np.abs(difference).max() < 8e-5
+
+
+@pytest.mark.parametrize("dec", [80.0, -30.0, -90.0, 0.0])
+def test_the_field_frame_undoes_the_sky_frame(dec):
+    centre = PhaseCentre(0.2, np.radians(dec))
+    rng = np.random.default_rng(7)
+    l, m = rng.uniform(-0.02, 0.02, (2, 50))
+    e = rng.uniform(0, 0.9, 50) * np.exp(2j * rng.uniform(0, np.pi, 50))
+    psi = local_north(centre, l, m)
+    g1, g2 = lensing_components(to_local_north(e, psi))
+    np.testing.assert_allclose(to_field_frame(g1 + 1j * g2, psi), e, atol=1e-15)
+
+
+def test_at_the_phase_centre_the_frames_differ_by_the_sign_of_the_second_component():
+    assert to_field_frame(np.array([0.1 + 0.2j]), 0.0)[0] == 0.1 - 0.2j
 
 
 def test_treecorr_finds_the_tangential_shear_put_around_a_lens():

@@ -28,33 +28,37 @@ def _blob(size, pixel, offset=(0.0, 0.0)):
     return (waves * np.exp(-(l**2 + m**2) / 2 / width**2)).astype(np.float32)
 
 
-@pytest.mark.parametrize("one", CUTOUTS)
-def test_a_facet_is_the_fourier_sum_of_its_square(one):
-    square = _square(one.size)
-    expected = plane.facet(square, PIXEL, one.uv, one.multiplicity)
-    got = one.transform(square)
+@pytest.mark.parametrize("square_cutout", CUTOUTS)
+def test_a_facet_is_the_fourier_sum_of_its_square(square_cutout):
+    square = _square(square_cutout.size)
+    expected = plane.facet(square, PIXEL, square_cutout.uv, square_cutout.multiplicity)
+    got = square_cutout.transform(square)
     # measured 2e-7; no conjugate, or the origin in a corner: 1.4
     np.testing.assert_allclose(got, expected, rtol=0, atol=1e-6 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("one", CUTOUTS)
-def test_a_transform_leaves_its_square_alone(one):
-    square = _square(one.size)
+@pytest.mark.parametrize("square_cutout", CUTOUTS)
+def test_a_transform_leaves_its_square_alone(square_cutout):
+    square = _square(square_cutout.size)
     before = square.copy()
-    one.transform(square)
-    one.add_coarse(square[: one.size // 2, : one.size // 2].copy(), 1.0, one.transform(square))
+    square_cutout.transform(square)
+    square_cutout.add_coarse(
+        square[: square_cutout.size // 2, : square_cutout.size // 2].copy(),
+        1.0,
+        square_cutout.transform(square),
+    )
     np.testing.assert_array_equal(square, before)
 
 
 def test_the_facet_of_an_image_is_sufficient_for_models_that_its_cells_resolve():
     """<d, m> = sum over x of I(x) b(x), by the sum over cells (the docstring of ``extraction.exact``)."""
-    one = Cutout(48, PIXEL, 0.0, NYQUIST / 1.2)
+    square_cutout = Cutout(48, PIXEL, 0.0, NYQUIST / 1.2)
     image, model = _square(48), _blob(48, PIXEL, (2.3 * PIXEL, -1.2 * PIXEL))
     x = (np.arange(48) - 24) * PIXEL
-    u, v = one.uv.T
+    u, v = square_cutout.uv.T
     along = [np.exp(2j * np.pi * k[:, None] * x) for k in (u, v)]
     of_model = np.einsum("ki,ij,kj->k", along[0], model.astype(float), along[1])
-    got = float(np.sum((one.transform(image) * of_model.conj()).real))
+    got = float(np.sum((square_cutout.transform(image) * of_model.conj()).real))
     model[0, :] = model[:, 0] = 0
     expected = float(np.sum(image.astype(float) * model))
     # measured 1e-6; opposite cells counted once: 0.5; those at v = 0 twice, or the origin: 0.02
@@ -63,53 +67,55 @@ def test_the_facet_of_an_image_is_sufficient_for_models_that_its_cells_resolve()
     )
 
 
-@pytest.mark.parametrize("one", CUTOUTS)
-def test_cells_are_those_of_half_the_plane_within_the_range_each_once(one):
-    k = np.rint(one.uv * one.size * PIXEL).astype(int)
+@pytest.mark.parametrize("square_cutout", CUTOUTS)
+def test_cells_are_those_of_half_the_plane_within_the_range_each_once(square_cutout):
+    k = np.rint(square_cutout.uv * square_cutout.size * PIXEL).astype(int)
     cells = {tuple(cell) for cell in k.tolist()}
     assert len(cells) == len(k)
-    nyquist = one.size // 2
+    nyquist = square_cutout.size // 2
     for i in range(-nyquist, nyquist):
         for j in range(-nyquist, nyquist):
-            distance = np.hypot(i, j) / one.size / PIXEL
+            distance = np.hypot(i, j) / square_cutout.size / PIXEL
             count = ((i, j) in cells) + ((-i, -j) in cells) * ((i, j) != (0, 0))
-            assert count == (one.shortest <= distance <= one.longest)
-    np.testing.assert_array_equal(one.multiplicity, np.where(np.hypot(*k.T) == 0, 1, 2))
+            assert count == (square_cutout.shortest <= distance <= square_cutout.longest)
+    np.testing.assert_array_equal(square_cutout.multiplicity, np.where(np.hypot(*k.T) == 0, 1, 2))
 
 
 def test_the_origin_is_the_cell_without_length():
-    one = CUTOUTS[0]
-    np.testing.assert_array_equal(one.uv[one.origin], 0.0)
+    square_cutout = CUTOUTS[0]
+    np.testing.assert_array_equal(square_cutout.uv[square_cutout.origin], 0.0)
 
 
-@pytest.mark.parametrize("one", CUTOUTS)
+@pytest.mark.parametrize("square_cutout", CUTOUTS)
 @pytest.mark.parametrize("factor", [1.0, -0.7])
-def test_a_coarse_square_adds_what_the_fine_one_would_to_the_cells_it_resolves(one, factor):
+def test_a_coarse_square_adds_what_the_fine_one_would_to_the_cells_it_resolves(
+    square_cutout, factor
+):
     offset = (1.7 * PIXEL, -0.6 * PIXEL)
-    facet = np.full(len(one.uv), 0.3 - 0.1j, np.complex64)
-    one.add_coarse(_blob(one.size // 2, 2 * PIXEL, offset), factor, facet)
-    low = one.coarse_cells[0]
-    fine = one.transform(_blob(one.size, PIXEL, offset))
-    expected = np.full(len(one.uv), 0.3 - 0.1j)
+    facet = np.full(len(square_cutout.uv), 0.3 - 0.1j, np.complex64)
+    square_cutout.add_coarse(_blob(square_cutout.size // 2, 2 * PIXEL, offset), factor, facet)
+    low = square_cutout.coarse_cells[0]
+    fine = square_cutout.transform(_blob(square_cutout.size, PIXEL, offset))
+    expected = np.full(len(square_cutout.uv), 0.3 - 0.1j)
     expected[low] += factor * fine[low]
     # measured 1e-6; a factor of 4 or the origin wrong: 1
     np.testing.assert_allclose(facet, expected, rtol=0, atol=5e-6 * np.abs(fine).max())
 
 
-@pytest.mark.parametrize("one", CUTOUTS)
-def test_coarse_cells_are_all_those_below_half_the_nyquist_frequency(one):
-    k = np.abs(np.rint(one.uv * one.size * PIXEL))
-    resolved = np.all(k < one.size // 4, axis=1)
-    np.testing.assert_array_equal(one.coarse_cells[0], np.flatnonzero(resolved))
+@pytest.mark.parametrize("square_cutout", CUTOUTS)
+def test_coarse_cells_are_all_those_below_half_the_nyquist_frequency(square_cutout):
+    k = np.abs(np.rint(square_cutout.uv * square_cutout.size * PIXEL))
+    resolved = np.all(k < square_cutout.size // 4, axis=1)
+    np.testing.assert_array_equal(square_cutout.coarse_cells[0], np.flatnonzero(resolved))
 
 
 @settings(deadline=None)
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
 def test_recentring_moves_a_source_at_the_offset_to_the_centre(x, y):
-    one = CUTOUTS[0]
+    square_cutout = CUTOUTS[0]
     offset = (x * PIXEL, y * PIXEL)
-    there = one.transform(_blob(48, PIXEL, offset)) * one.recentring(offset)
-    expected = one.transform(_blob(48, PIXEL))
+    there = square_cutout.transform(_blob(48, PIXEL, offset)) * square_cutout.recentring(offset)
+    expected = square_cutout.transform(_blob(48, PIXEL))
     # measured 2e-7; the sign wrong: 1
     np.testing.assert_allclose(there, expected, rtol=0, atol=2e-6 * np.abs(expected).max())
 

@@ -8,7 +8,7 @@ from scipy.optimize import minimize
 from uvshear.constants import ARCSEC, SPEED_OF_LIGHT
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.baseline_map import BaselineMap, rings_of
+from uvshear.interferometer.baseline_map import map_baselines, rings_of
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.interferometer.weighting import (
     Briggs,
@@ -160,7 +160,7 @@ def test_a_round_psf_stays_as_close_to_natural_weights_as_it_can() -> None:
     weight = rng.uniform(0.5, 2, (16, 1))
     block = Visibilities(uvw, np.array([1e9]), weight.astype(complex), weight)
     # As in the map, whose cells are a degree wide: all sums are over their mean directions.
-    cells = BaselineMap.of([(block, None)])
+    cells = map_baselines(VisibilitySet(PhaseCentre(0.0, 0.0), (block,)))
     waves = np.exp(2j * np.arctan2(cells.v, cells.u))
     solution = minimize(
         lambda t: np.sum(cells.weight * (t - 1) ** 2),

@@ -8,12 +8,14 @@ from astropy.table import MaskedColumn, QTable, Table
 
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
+from uvshear.galaxy import PROFILES
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.io.catalogue import (
     Catalogue,
     catalogue_from_galaxies,
     catalogue_from_table,
+    catalogue_table,
     read_catalogue,
     write_catalogue,
 )
@@ -152,7 +154,7 @@ def test_a_written_catalogue_is_read_back(
     )
     path = tmp_path / f"cat{suffix}"
     provenance = Provenance("uvshear catalogue", options={"seed": 1})
-    write_catalogue(path, catalogue_from_galaxies(galaxies, centre), provenance)
+    write_catalogue(path, catalogue_from_galaxies(galaxies, centre), provenance.metadata())
     back = read_catalogue(path).galaxies(CENTRE)
     for name in ("l", "m", "flux", "scale_length", "ellipticity", "spectral_index"):
         expected = getattr(galaxies, name)
@@ -189,6 +191,9 @@ def _wrong(message: str, **columns: object) -> object:
         _wrong("column 'id', row 2: is empty", id=MaskedColumn([1, 2, 3], mask=[0, 1, 0])),
         _wrong("column 'e1, e2', id 9: is", e1=[0, 0, 0.8], e2=[0, 0, 0.6]),
         _wrong("has no column 'e2'", e1=[0, 0, 0.8]),
+        _wrong("column 'shear1, shear2', id 8: is", shear1=[0, 1.0, 0], shear2=[0, 0, 0]),
+        _wrong("has no column 'shear1'; give both shear1 and shear2", shear2=[0, 0, 0.8]),
+        _wrong("column 'profile' has 'square'", profile=["point", "square", ""]),
         _wrong("column 'scale_length', id 8: is -", scale_length=[1.0, -1, 1]),
         _wrong("column 'spectral_index', id 8: is nan", spectral_index=[1.0, math.nan, 1]),
         _wrong("column 'ra' holds text", ra=["here", "there", "near"]),
@@ -325,93 +330,41 @@ def test_errors_of_flux_and_position_are_kept() -> None:
     assert catalogue_from_table(_table()).position_err is None
 
 
-DISC_OF_ONE = 2 * 1.67834699
-"""FWHM of a Gaussian with the half-light radius of an exponential disc of scale length 1."""
-
-
-def test_sizes_of_pybdsf_are_scale_lengths_and_what_it_does_not_resolve_are_points() -> None:
+def test_every_known_profile_stands_for_a_galaxy() -> None:
+    names = [*PROFILES.names(), "galaxy", "", "Point"]
+    rows = len(names)
     table = Table(
         {
-            "Source_id": [0, 1, 2],
-            "Isl_id": [0, 1, 2],
-            "RA": [10.0, 11.0, 12.0] * units.deg,
-            "E_RA": [1e-5, 1e-5, 1e-5] * units.deg,
-            "DEC": [-30.0, -31.0, -32.0] * units.deg,
-            "E_DEC": [1e-5, 1e-5, 1e-5] * units.deg,
-            "Total_flux": [1e-3, 2e-3, 3e-3] * units.Jy,
-            "E_Total_flux": [1e-4, 2e-4, 3e-4] * units.Jy,
-            "DC_Maj": np.array([2.0, 0.0, 4.0]) / 3600 * units.deg,
-            "DC_Min": np.array([0.5, 0.0, 0.0]) / 3600 * units.deg,
-            "S_Code": ["S", "S", "M"],
+            "l": np.linspace(0, 1e-3, rows),
+            "m": np.zeros(rows),
+            "flux": np.ones(rows) * units.uJy,
+            "profile": names,
         }
     )
     catalogue = catalogue_from_table(table)
-    assert catalogue.scale_length is not None
-    np.testing.assert_allclose(
-        catalogue.scale_length,
-        np.array([np.sqrt(2.0), 0.0, np.sqrt(8.0)]) / DISC_OF_ONE * ARCSEC,
-        rtol=1e-7,
-    )
     assert catalogue.is_point is not None
-    # one axis that is resolved is enough
-    assert catalogue.is_point.tolist() == [False, True, False]
-    np.testing.assert_allclose(catalogue.flux_err, [1e-4, 2e-4, 3e-4])
-    np.testing.assert_allclose(catalogue.position_err, np.radians(1e-5))
+    assert {"sersic-2", "disc-bulge"} < set(names)
+    assert catalogue.is_point.tolist() == [False] * (rows - 1) + [True]
 
 
-def test_aegean_lists_are_recognised_and_deconvolved() -> None:
-    """A round beam of 3 arcsec; a galaxy of 4 x 2 arcsec without it, and one that the beam hides."""
-    galaxy = np.hypot([4.0, 2.0], 3.0)
-    table = Table(
-        {
-            "island": [0, 1],
-            "source": [0, 0],
-            "ra": [52.0, 52.1],
-            "dec": [-27.0, -27.1],
-            "err_ra": [1e-5, -1.0],
-            "err_dec": [1e-5, -1.0],
-            "int_flux": [1e-3, 2e-3],
-            "err_int_flux": [1e-5, -1.0],
-            "a": [galaxy[0], 3.0],
-            "b": [galaxy[1], 2.9],
-            "pa": [30.0, 0.0],
-            "psf_a": [3.0, 3.0],
-            "psf_b": [3.0, 3.0],
-            "psf_pa": [0.0, 0.0],
-            "uuid": ["one", "two"],
-        }
-    )
-    catalogue = catalogue_from_table(table)
-    assert catalogue.identifier.tolist() == ["one", "two"]
-    np.testing.assert_allclose(catalogue.flux, [1e-3, 2e-3])
-    assert catalogue.scale_length is not None
-    expected = np.array([np.sqrt(8.0), 0.0]) / DISC_OF_ONE * ARCSEC
-    np.testing.assert_allclose(catalogue.scale_length, expected, rtol=1e-7, atol=1e-20)
-    assert catalogue.is_point is not None
-    assert catalogue.is_point.tolist() == [False, True]
-    np.testing.assert_allclose(catalogue.flux_err, [1e-5, 0.0])
+@pytest.mark.parametrize("suffix", [".ecsv", ".fits", ".vot"])
+def test_shears_in_the_sky_frame_are_read_and_written(tmp_path: Path, suffix: str) -> None:
+    shear = np.array([0.01 + 0.02j, -0.03j, 0])
+    catalogue = catalogue_from_table(_table(shear1=shear.real, shear2=shear.imag))
+    assert catalogue.shear is not None
+    np.testing.assert_array_equal(catalogue.shear, shear)
+    assert catalogue.ellipticity is None
+    path = tmp_path / f"sheared{suffix}"
+    write_catalogue(path, catalogue)
+    back = read_catalogue(path)
+    assert back.shear is not None
+    np.testing.assert_array_equal(back.shear, shear)
+    chosen = catalogue.select(np.array([1])).shear
+    assert chosen is not None
+    np.testing.assert_array_equal(chosen, shear[[1]])
 
 
-def test_the_half_light_radius_of_a_disc_is_galsims() -> None:
-    galsim = pytest.importorskip("galsim")
-    disc = galsim.Exponential(scale_radius=1.0)
-    gaussian = galsim.Gaussian(half_light_radius=disc.half_light_radius)
-    assert gaussian.fwhm == pytest.approx(DISC_OF_ONE, rel=1e-5)
-
-
-def test_what_a_user_adds_to_a_finders_table_counts() -> None:
-    table = Table(
-        {
-            "RA": [10.0, 11.0] * units.deg,
-            "DEC": [-30.0, -31.0] * units.deg,
-            "Total_flux": [1e-3, 2e-3] * units.Jy,
-            "DC_Maj": [0.0, 1e-3] * units.deg,
-            "DC_Min": [0.0, 1e-3] * units.deg,
-            "spectral_index": [-0.1, 0.3],
-            "Profile": ["galaxy", "point"],
-        }
-    )
-    catalogue = catalogue_from_table(table)
-    assert catalogue.spectral_index.tolist() == [-0.1, 0.3]
-    assert catalogue.is_point is not None
-    assert catalogue.is_point.tolist() == [False, True]
+def test_a_catalogue_without_shears_has_none() -> None:
+    catalogue = catalogue_from_table(_table())
+    assert catalogue.shear is None
+    assert "shear1" not in catalogue_table(catalogue).colnames

@@ -38,8 +38,8 @@ def images():
     centre = PhaseCentre(CENTRE.ra.rad, CENTRE.dec.rad)
     block = Visibilities(uvw, FREQUENCY, vis, np.full(vis.shape, 4.0))
     observation = VisibilitySet(centre, (block,))
-    extent = summarise(observation)
-    return centre, residual_image(observation, known, Exponential(), extent=extent)
+    summary = summarise(observation)
+    return centre, residual_image(observation, known, Exponential(), summary=summary)
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 import pickle
 import resource
-import shutil
 
 import numpy as np
 import pytest
@@ -10,6 +9,8 @@ from casacore import tables
 
 from tests.io.measurement_sets import PHASE_CENTRE, change, real_set, simulated, written
 from uvshear.errors import InputError
+from uvshear.interferometer.accumulate import accumulate, show
+from uvshear.interferometer.count_samples import SampleCountsAccumulator
 from uvshear.interferometer.stokes import Hands
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.measurement_set import MeasurementSet
@@ -30,11 +31,15 @@ def _all(observation):
     )
 
 
+def counts(measured):
+    """Numbers of samples of everything in the set, including what ``chunks`` refuses."""
+    accumulator = SampleCountsAccumulator()
+    show(measured.unchecked_chunks(), [accumulator])
+    return accumulator.result()
+
+
 def _edit(path, subtable=""):
     return tables.table(str(path / subtable), readonly=False, ack=False)
-
-
-# What is written is read
 
 
 def test_what_was_simulated_is_read(path):
@@ -116,7 +121,7 @@ def test_flags_flag_rows_and_nan_have_no_weight_and_are_counted(path):
     expected[7] = True
     np.testing.assert_array_equal(read == 0, expected)
     assert np.isfinite(stokes_i).all()
-    summary = measured.summary()
+    summary = counts(measured)
     assert summary.rows == 1680
     assert summary.samples == 1680 * 4
     assert summary.flagged == 6
@@ -163,7 +168,7 @@ def test_autocorrelations_are_left_out(path):
     measured = MeasurementSet(path)
     for one, other in zip(_all(measured), everything, strict=True):
         np.testing.assert_array_equal(one, other[7:])
-    assert measured.summary().autocorrelations == 7
+    assert counts(measured).autocorrelations == 7
 
 
 def test_uvw_is_used_as_stored(path):
@@ -244,36 +249,6 @@ def test_each_chunk_has_one_spectral_window(path, rows, memory):
 # What is wrong is named
 
 
-def _remove_column(path, column, subtable=""):
-    with _edit(path, subtable) as table:
-        table.removecols(column)
-
-
-def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(InputError, match=r"nothing\.ms: no such file"):
-        MeasurementSet(tmp_path / "nothing.ms")
-
-
-def test_a_file_that_is_no_measurement_set_is_named(tmp_path):
-    text = tmp_path / "a.txt"
-    text.write_text("x")
-    for wrong in (text, tmp_path):
-        with pytest.raises(InputError, match="not a Measurement Set"):
-            MeasurementSet(wrong)
-
-
-def test_a_subtable_is_no_measurement_set(path):
-    with pytest.raises(InputError, match="give the Measurement Set itself, not one of its subt"):
-        MeasurementSet(path / "ANTENNA")
-
-
-def test_a_damaged_table_is_one_line(path):
-    (path / "table.dat").write_bytes(b"nonsense")
-    with pytest.raises(InputError, match=r"field\.ms: the main table cannot be read") as caught:
-        MeasurementSet(path)
-    assert "\n" not in str(caught.value)
-
-
 def test_a_lost_data_file_is_one_line(path):
     for part in path.glob("table.f*_TSM*"):
         part.unlink()
@@ -282,24 +257,11 @@ def test_a_lost_data_file_is_one_line(path):
     assert "\n" not in str(caught.value)
 
 
-def test_a_missing_column_lists_those_with_visibilities(path):
-    with pytest.raises(InputError, match=r"no column CORRECTED_DATA; those with visibil.*: DATA$"):
-        MeasurementSet(path, column="CORRECTED_DATA")
-    with pytest.raises(InputError, match="column UVW holds double, not complex"):
-        MeasurementSet(path, column="UVW")
-
-
-def test_a_missing_uvw_is_named(path):
-    _remove_column(path, "UVW")
-    with pytest.raises(InputError, match="no column UVW"):
-        MeasurementSet(path)
-
-
 def test_all_flagged_is_an_error(path):
     change(path, "FLAG", True)
     with pytest.raises(InputError, match=r"field\.ms: all visibilities are flagged"):
         list(MeasurementSet(path).chunks())
-    assert MeasurementSet(path).summary().flagged_fraction == 1
+    assert counts(MeasurementSet(path)).flagged_fraction == 1
 
 
 def test_all_nan_is_an_error(path):
@@ -313,62 +275,6 @@ def test_autocorrelations_alone_are_an_error(path):
     change(path, "ANTENNA2", 0)
     with pytest.raises(InputError, match="autocorrelations alone"):
         list(MeasurementSet(path).chunks())
-
-
-def test_no_rows_is_an_error(path, tmp_path):
-    empty = tmp_path / "empty.ms"
-    with tables.table(str(path), ack=False) as main:
-        main.copy(str(empty), deep=True, copynorows=True).close()
-    with pytest.raises(InputError, match="has no rows"):
-        MeasurementSet(empty)
-
-
-def test_a_missing_phase_centre_is_an_error(path):
-    _remove_column(path, "PHASE_DIR", "FIELD")
-    with pytest.raises(InputError, match="FIELD has no PHASE_DIR for field 0"):
-        MeasurementSet(path)
-
-
-def test_an_empty_field_table_is_an_error(path):
-    with _edit(path, "FIELD") as field:
-        field.removerows([0])
-    with pytest.raises(InputError, match="FIELD is empty, so there is no phase centre"):
-        MeasurementSet(path)
-
-
-def test_a_missing_subtable_is_an_error(path):
-    shutil.rmtree(path / "FIELD")
-    with pytest.raises(InputError, match="the FIELD table cannot be read"):
-        MeasurementSet(path)
-
-
-@pytest.mark.parametrize("value", [np.nan, 57.0])
-def test_a_phase_centre_that_is_none_is_an_error(path, value):
-    change(path, "PHASE_DIR", value, subtable="FIELD")
-    with pytest.raises(InputError, match="radians are needed"):
-        MeasurementSet(path)
-
-
-def test_a_phase_centre_in_another_frame_is_an_error(path):
-    with _edit(path, "FIELD") as field:
-        field.putcolkeyword("PHASE_DIR", "MEASINFO", {"type": "direction", "Ref": "B1950"})
-    with pytest.raises(InputError, match="frame B1950; J2000 or ICRS"):
-        MeasurementSet(path)
-
-
-def test_a_frequency_of_zero_is_an_error(path):
-    change(path, "CHAN_FREQ", 0.0, subtable="SPECTRAL_WINDOW")
-    with pytest.raises(InputError, match="DATA_DESC_ID 0: a channel's frequency is not positive"):
-        MeasurementSet(path)
-
-
-def test_crossed_hands_alone_are_an_error(path):
-    change(path, "CORR_TYPE", [[10, 11]], subtable="POLARIZATION")
-    with pytest.raises(InputError, match=r"\[10, 11\] hold no Stokes I"):
-        MeasurementSet(path)
-
-
-# Real ones
 
 
 def _direct(path, rows=slice(None)):
@@ -400,7 +306,7 @@ def test_a_real_set_is_read(tmp_path, archive, samples, types):
     assert read[0].shape == samples
     for one, expected in zip(read, _direct(path), strict=True):
         np.testing.assert_allclose(one, expected, rtol=2e-6, atol=1e-12)
-    summary = measured.summary()
+    summary = counts(measured)
     assert summary.usable == summary.samples == samples[0] * samples[1]
 
 
@@ -421,7 +327,7 @@ def test_a_real_meerkat_set_is_read_once_unflagged(tmp_path):
         cross = np.flatnonzero(main.getcol("ANTENNA1") != main.getcol("ANTENNA2"))
     for one, expected in zip(_all(measured), _direct(path, cross), strict=True):
         np.testing.assert_allclose(one, expected, rtol=2e-6, atol=1e-6)
-    assert measured.summary().autocorrelations == 310
+    assert counts(measured).autocorrelations == 310
 
 
 def test_a_row_without_uvw_is_left_out_and_counted(tmp_path):
@@ -430,13 +336,79 @@ def test_a_row_without_uvw_is_left_out_and_counted(tmp_path):
     observation = MeasurementSet(path)
     for chunk in observation.chunks():
         assert np.isfinite(chunk.uvw).all()
-    assert observation.summary().non_finite == 4
+    assert counts(observation).non_finite == 4
 
 
 def test_flags_can_be_left_unheeded(tmp_path):
     path = written(tmp_path)
-    everything = MeasurementSet(path).summary().usable
+    everything = counts(MeasurementSet(path)).usable
     change(path, "FLAG", True)
     with pytest.raises(InputError, match="all visibilities are flagged"):
         list(MeasurementSet(path).chunks())
-    assert MeasurementSet(path, heeds_flags=False).summary().usable == everything
+    assert counts(MeasurementSet(path, heeds_flags=False)).usable == everything
+
+
+def test_rows_carry_the_integration_that_they_were_averaged_over(tmp_path):
+    coverage = simulated().coverage
+    path = written(tmp_path, is_averaged=True)
+    chunks = list(MeasurementSet(path, memory=2**14).chunks())
+    taken = [chunk.integrations for chunk in chunks]
+    assert len(taken) > 1
+    antennas = np.concatenate([integrations.antennas for integrations in taken])
+    np.testing.assert_array_equal(antennas[:, 0], coverage.antenna1)
+    np.testing.assert_array_equal(antennas[:, 1], coverage.antenna2)
+    times = np.concatenate([integrations.time for integrations in taken])
+    np.testing.assert_allclose(times, coverage.time)
+    assert all(np.all(integrations.interval == 60) for integrations in taken)
+    np.testing.assert_allclose(chunks[0].width, simulated().channels.width)
+
+
+def test_a_simulation_of_single_times_and_frequencies_was_not_averaged(tmp_path):
+    (chunk, *_) = MeasurementSet(written(tmp_path)).chunks()
+    assert not chunk.integrations.interval.any()
+    assert not chunk.width.any()
+
+
+def test_a_set_without_effective_bandwidths_is_averaged_over_its_channels(tmp_path):
+    path = written(tmp_path)
+    change(path, "EFFECTIVE_BW", np.nan, subtable="SPECTRAL_WINDOW")
+    (chunk, *_) = MeasurementSet(path).chunks()
+    np.testing.assert_allclose(chunk.width, simulated().channels.width)
+
+
+def test_the_counts_of_chunks_add_up_to_those_of_the_set(tmp_path):
+    path = written(tmp_path)
+    change(path, "FLAG", True, rows=slice(0, 100))
+    data = MeasurementSet(path, memory=2**14)
+    (total,) = accumulate(data, [SampleCountsAccumulator()])
+    assert total == counts(MeasurementSet(path))
+    assert total.flagged == 400
+
+
+def test_a_set_tells_its_dishes_and_where_they_pointed(tmp_path):
+    data = MeasurementSet(written(tmp_path))
+    np.testing.assert_array_equal(data.dish_diameters(), simulated().dish_diameters())
+    assert data.pointing_direction() == PHASE_CENTRE
+
+
+def test_a_good_set_has_no_notices(tmp_path):
+    data = MeasurementSet(written(tmp_path))
+    assert data.notices() == ()
+    assert data.origin().name == str(data.path)
+
+
+def test_the_opposite_sign_of_uvw_is_a_notice(tmp_path):
+    path = written(tmp_path)
+    with _edit(path) as main:
+        main.putcol("UVW", -main.getcol("UVW"))
+    (notice,) = MeasurementSet(path).notices()
+    assert notice.startswith("UVW is X(ANTENNA2) - X(ANTENNA1)")
+    assert "used as it is stored" in notice
+    assert MeasurementSet(path, conjugates=True).notices() == ()
+
+
+def test_weights_from_sigma_are_a_notice(tmp_path):
+    path = written(tmp_path)
+    for column in ("WEIGHT", "WEIGHT_SPECTRUM"):
+        change(path, column, 0.0)
+    assert MeasurementSet(path).notices() == ("no WEIGHT above zero; the weights are 1/SIGMA^2",)

@@ -82,8 +82,8 @@ def test_ellipticities_of_another_kind_are_left_out() -> None:
         ({"size": {"sigma": 10**400}}, "'size' has no number as 'sigma'"),
         ({"flux": {"index": 400}}, "'flux' has 400 as 'index'; it lies between -10 and 10"),
         ({"ellipticity": {"e0": 0}}, "'ellipticity' has 0 as 'e0'"),
-        ({"ellipticity": {"maximum": 1.5}}, "it lies between 0 and 1"),
-        ({"flux": {"minimum_ujy": 500}}, "0 < minimum < maximum"),
+        ({"ellipticity": {"maximum": 1.5}}, "it must lie between 0 and 1"),
+        ({"flux": {"minimum_ujy": 500}}, "positive and below the maximum"),
     ],
 )
 def test_a_wrong_file_is_one_line(tmp_path: Path, record: object, message: str) -> None:

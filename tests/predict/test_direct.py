@@ -130,10 +130,10 @@ def test_a_profile_of_ones_own_is_predicted_by_its_envelope():
 def test_threads_change_no_bit():
     uvw = random_baselines(2 * SLAB + 77, 5e3)
     sky = galaxies([0.002, -0.003, 0.001], [0.001, 0.004, -0.002], e=[0.3, 0.2j, -0.5])
-    one = predict_visibilities(sky, uvw, L_BAND, executor=in_threads(1))
+    alone = predict_visibilities(sky, uvw, L_BAND, executor=in_threads(1))
     for threads in (2, 5):
         np.testing.assert_array_equal(
-            predict_visibilities(sky, uvw, L_BAND, executor=in_threads(threads)), one
+            predict_visibilities(sky, uvw, L_BAND, executor=in_threads(threads)), alone
         )
 
 

@@ -82,12 +82,12 @@ def test_each_galaxy_has_its_own_losses(threads):
     together = predict_visibilities(SKY, uvw, FREQUENCY, executor=in_threads(threads), losses=beam)
     parts = []
     for k in range(2):
-        one = SKY.select(np.array([k]))
-        l, m = float(one.l[0]), float(one.m[0])
+        source = SKY.select(np.array([k]))
+        l, m = float(source.l[0]), float(source.m[0])
         for chan in range(2):
             samples = beam.samples(uvw, FREQUENCY, slice(None), chan)
             factor = beam.attenuation.factor(samples, l, m)
-            bare = predict_visibilities(one, uvw, FREQUENCY[chan : chan + 1])[:, 0]
+            bare = predict_visibilities(source, uvw, FREQUENCY[chan : chan + 1])[:, 0]
             parts.append(bare * factor)
     np.testing.assert_allclose(together[:, 0], parts[0] + parts[2], rtol=1e-12)
     np.testing.assert_allclose(together[:, 1], parts[1] + parts[3], rtol=1e-12)

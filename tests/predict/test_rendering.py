@@ -101,11 +101,13 @@ def test_a_point_source_has_faded_at_the_edge_of_the_smallest_stamp(offset):
 
 def test_what_a_stamp_leaves_out_of_a_galaxy_falls_with_its_width():
     uv = _baselines(LONGEST)[:, :2]
-    one = SKY.select(slice(1))
-    expected = plane.galaxy(uv, 2.0, (one.l[0], one.m[0]), 0.3 - 0.2j, 2 * ARCSEC)
+    first = SKY.select(slice(1))
+    expected = plane.galaxy(uv, 2.0, (first.l[0], first.m[0]), 0.3 - 0.2j, 2 * ARCSEC)
     errors = []
     for half in (24, 36, 50):
-        image = render(one, one.flux, np.array([half * PIXEL]), TILE, BAND, PROFILES["exponential"])
+        image = render(
+            first, first.flux, np.array([half * PIXEL]), TILE, BAND, PROFILES["exponential"]
+        )
         errors.append(np.abs(_transform(image, TILE, PIXEL, uv) - expected).max())
     # measured 1.5e-4, 2e-6, 1e-6
     assert errors[1] < 0.1 * errors[0]

@@ -10,7 +10,7 @@ from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.interferometer.attenuation import BandwidthSmearing, CombinedAttenuation, TimeSmearing
 from uvshear.interferometer.primary_beam import AiryBeam
 from uvshear.interferometer.samples import Samples
-from uvshear.predict.response import TOLERANCE, Response, Shared
+from uvshear.predict.response import TOLERANCE, Response, SharedFactors
 
 LOW, HIGH = 0.95e9, 1.76e9  # SKA-Mid's band 2
 DECLINATION = -0.5
@@ -39,7 +39,7 @@ def _samples(number=500, low=LOW, high=HIGH, seed=1):
 
 
 def _factor(response, samples, sky, source):
-    own = response.own(
+    own = response.source_factor(
         samples, float(sky.l[source]), float(sky.m[source]), float(sky.spectral_index[source])
     )
     return own * response.gain(samples.frequency)
@@ -47,7 +47,7 @@ def _factor(response, samples, sky, source):
 
 def _shared_error(response, sky, samples):
     """Largest difference of a factor and its combination of the few, on samples that chose nothing."""
-    shared = response.shared(sky, 0.0, np.inf)
+    shared = response.shared_factors(sky, 0.0, np.inf)
     few = np.stack([_factor(response, samples, sky, k) for k in shared.chosen.tolist()])
     every = np.stack([_factor(response, samples, sky, k) for k in range(len(sky))])
     return np.abs(shared.coefficients.T @ few - every).max(), len(shared.chosen)
@@ -58,7 +58,7 @@ def _shared_error(response, sky, samples):
 def test_a_few_spectra_make_all_power_laws_over_the_band(indices, ratio):
     sky = _sky(indices)
     probes, others = (_samples(high=ratio * LOW, seed=seed) for seed in (1, 2))
-    response = Response.of(sky, probes)
+    response = Response.from_sky(sky, probes)
     error, _ = _shared_error(response, sky, others)
     for source, index in enumerate(indices):
         truth = (others.frequency / 1.4e9) ** index
@@ -67,17 +67,17 @@ def test_a_few_spectra_make_all_power_laws_over_the_band(indices, ratio):
 
 
 def test_sources_of_one_index_are_one_and_need_no_probes():
-    response = Response.of(_sky([-0.7] * 4))
-    shared = response.shared(_sky([-0.7] * 4), 0.0, np.inf)
+    response = Response.from_sky(_sky([-0.7] * 4))
+    shared = response.shared_factors(_sky([-0.7] * 4), 0.0, np.inf)
     np.testing.assert_array_equal(shared.coefficients, np.ones((1, 4)))
-    assert response.own(_samples(), 0.1, 0.1, -0.7) == 1.0
+    assert response.source_factor(_samples(), 0.1, 0.1, -0.7) == 1.0
     np.testing.assert_array_equal(response.strengths(_sky([-0.7] * 4)), 1.0)
     assert response.index == -0.7
 
 
 def test_no_sources_are_none():
     nobody = _sky([-0.7]).select(np.zeros(0, int))
-    assert len(Response.of(nobody).strengths(nobody)) == 0
+    assert len(Response.from_sky(nobody).strengths(nobody)) == 0
 
 
 EVERYTHING = CombinedAttenuation(
@@ -96,7 +96,7 @@ def test_a_few_places_make_those_of_a_tile(attenuation):
         1.0,
         beta=rng.choice([-0.7, -0.5], count),
     )
-    response = Response.of(sky, _samples(2000), attenuation)
+    response = Response.from_sky(sky, _samples(2000), attenuation)
     error, terms = _shared_error(response, sky, _samples(400, seed=2))
     # smeared to a third and less at the longest baselines
     assert error < 3e-3
@@ -105,28 +105,30 @@ def test_a_few_places_make_those_of_a_tile(attenuation):
 
 def test_a_band_without_probes_asks_all_of_them():
     sky = _sky([-0.7, 0.2, 1.0])
-    response = Response.of(sky, _samples(300))
-    assert len(response.shared(sky, 1e9, 2e9).chosen) == len(response.shared(sky, 0, np.inf).chosen)
+    response = Response.from_sky(sky, _samples(300))
+    assert len(response.shared_factors(sky, 1e9, 2e9).chosen) == len(
+        response.shared_factors(sky, 0, np.inf).chosen
+    )
 
 
 def test_strengths_are_what_is_left_of_a_flux():
     sky = _sky([-0.7, -0.7, 0.2], l=0.008)
     probes = _samples(3000)
-    response = Response.of(sky, probes, AiryBeam.from_diameters(np.array([13.5])))
+    response = Response.from_sky(sky, probes, AiryBeam.from_diameters(np.array([13.5])))
     weight = probes.weights * response.gain(probes.frequency) ** 2
     for source, strength in enumerate(response.strengths(sky)):
         factor = _factor(response, probes, sky, source) / response.gain(probes.frequency)
         assert strength == pytest.approx(np.sqrt(np.average(factor**2, weights=weight)), rel=1e-5)
-    bare = Response.of(sky, probes)
+    bare = Response.from_sky(sky, probes)
     np.testing.assert_allclose(
         response.attenuations(sky), response.strengths(sky) / bare.strengths(sky)
     )
-    aside = response.aside(probes, float(sky.l[0]), float(sky.m[0]))
+    aside = response.matched_filter(probes, float(sky.l[0]), float(sky.m[0]))
     assert np.average(aside**2, weights=weight) == pytest.approx(1.0, rel=1e-4)
 
 
 def test_columns_that_repeat_are_chosen_once():
     factors = np.ones((30, 5)) * np.array([1.0, 2.0, 0.5, 1.0, 3.0])
-    shared = Shared.of(factors)
+    shared = SharedFactors.from_factors(factors)
     assert shared.chosen.tolist() == [4]
     np.testing.assert_allclose(shared.coefficients[0], [1 / 3, 2 / 3, 1 / 6, 1 / 3, 1.0])

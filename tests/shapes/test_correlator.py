@@ -89,9 +89,9 @@ def test_normal_sums_are_those_of_the_models_derivatives(dtype, allowed, kind):
 def test_units_cancel_in_what_comes_out():
     facet = _facet()
     scaled = replace(facet, correlation=facet.correlation * 1e9, power=facet.power * 1e18)
-    one, other = (Correlator(f, EXPONENTIAL) for f in (facet, scaled))
+    first, second = (Correlator(f, EXPONENTIAL) for f in (facet, scaled))
     shape = np.array([0.2j]), np.array([np.log(ALPHA)])
-    a, b = (c.correlate(*shape, c.displaced_to(np.zeros((1, 2)))) for c in (one, other))
+    a, b = (c.correlate(*shape, c.displaced_to(np.zeros((1, 2)))) for c in (first, second))
     np.testing.assert_allclose(a[0], b[0], rtol=1e-5)
-    assert one.flux_unit == pytest.approx(other.flux_unit * 1e9)
-    assert one.length == other.length
+    assert first.flux_unit == pytest.approx(second.flux_unit * 1e9)
+    assert first.length == second.length

@@ -31,9 +31,9 @@ def part(request):
 
 
 def test_the_functional_is_that_of_any_place_in_the_disc(part):
-    one, wave = part
+    functionals, wave = part
     wanted = np.array([[21.3e3, -7.7e3]])
-    weights = one.weights(wave(2 * np.pi * wanted @ DISC_.places.T))[0]
+    weights = functionals.weights(wave(2 * np.pi * wanted @ DISC_.places.T))[0]
     rng = np.random.default_rng(1)
     # off the pixels as well, as far as a galaxy reaches
     places = rng.uniform(-0.6, 0.6, (50, 2)) * DISC * WIDTH
@@ -44,7 +44,7 @@ def test_the_functional_is_that_of_any_place_in_the_disc(part):
 
 def test_no_other_weights_have_less_noise(part):
     """Against the constrained minimum itself: w P w least, with the functional's values at all pixels."""
-    one, wave = part
+    functionals, wave = part
     used = POWER > 0
     places = DISC_.places
     waves = wave(2 * np.pi * places @ UV[used].T) * POWER[used]
@@ -53,20 +53,20 @@ def test_no_other_weights_have_less_noise(part):
     # least norm of w sqrt(P)
     least = np.linalg.lstsq(waves / root, target, rcond=1e-7)[0] / root
     full = wave(2 * np.pi * DISC_.places @ np.array([[21.3e3, -7.7e3]]).T).T
-    got = one.weights(full)[0][used]
+    got = functionals.weights(full)[0][used]
     variance = float(np.sum(got**2 * POWER[used]))
     # measured 3 % less: rounding's ridge leaves the functional a little room
     assert variance == pytest.approx(float(np.sum(least**2 * POWER[used])), rel=0.05)
-    assert one.variance(full)[0] == pytest.approx(variance)
+    assert functionals.variance(full)[0] == pytest.approx(variance)
 
 
 def test_the_image_has_the_data(part):
-    one, wave = part
+    functionals, wave = part
     rng = np.random.default_rng(2)
     places = rng.uniform(-0.5, 0.5, (20, 2)) * DISC * WIDTH
     flux = rng.uniform(1, 2, 20)
     data = POWER * (flux @ wave(2 * np.pi * places @ UV.T))
-    image = one.image() @ data
+    image = functionals.image() @ data
     wanted = np.array([14.1e3, 30.2e3])
     got = image @ wave(2 * np.pi * DISC_.places @ wanted)
     assert got == pytest.approx(flux @ wave(2 * np.pi * places @ wanted), abs=1e-3 * flux.sum())

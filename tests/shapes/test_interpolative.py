@@ -1,4 +1,4 @@
-"""Condensed templates against the sums over all cells."""
+"""Templates on a few of the cells against the sums over all cells."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,11 @@ from uvshear.constants import ARCSEC
 from uvshear.galaxy import Exponential
 from uvshear.interferometer.facet import Facet
 from uvshear.shapes.correlator import Correlator
-from uvshear.shapes.interpolative import Condensation, CondensedCorrelator, Condenser
+from uvshear.shapes.interpolative import (
+    DecomposedCorrelator,
+    DecompositionCache,
+    TemplateDecomposition,
+)
 from uvshear.shapes.prior import ShapePrior
 
 PROFILE = Exponential()
@@ -30,8 +34,8 @@ def _facet(seed=0, tilt=0.0):
 
 
 @pytest.fixture(scope="module")
-def condensation():
-    return Condenser(PROFILE).of(_facet(), "cells", PRIOR)
+def decomposition():
+    return DecompositionCache(PROFILE).decomposition(_facet(), "cells", PRIOR)
 
 
 def _shapes(number):
@@ -41,14 +45,14 @@ def _shapes(number):
 
 
 @pytest.mark.parametrize("tilt", [0.0, 0.1])
-def test_correlations_are_those_of_all_cells(condensation, tilt):
+def test_correlations_are_those_of_all_cells(decomposition, tilt):
     """Of this facet's weights, and of weights that are a little others."""
     correlator = Correlator(_facet(seed=3, tilt=tilt), PROFILE)
-    condensed = CondensedCorrelator(correlator, condensation)
+    decomposed = DecomposedCorrelator(correlator, decomposition)
     e, size = _shapes(300)
     nodes = np.random.default_rng(1).normal(size=(5, 2))
     exact, exact_norm = correlator.correlate(e, size, correlator.displaced_to(nodes))
-    got, norm = condensed.correlate(e, size, condensed.displaced_to(nodes))
+    got, norm = decomposed.correlate(e, size, decomposed.displaced_to(nodes))
     # In units of the noise of each template: measured 0.001 rms, 0.009 for a template hardly seen; norms 3e-4, 0.002.
     away = (got - exact) / np.sqrt(exact_norm)[:, None]
     assert np.sqrt(np.mean(away**2)) < 2e-3
@@ -56,22 +60,24 @@ def test_correlations_are_those_of_all_cells(condensation, tilt):
     assert np.max(np.abs(norm / exact_norm - 1)) < 5e-3
 
 
-def test_few_cells_are_enough(condensation):
+def test_few_cells_are_enough(decomposition):
     cells = len(_facet().uv)
-    assert len(condensation.values.cells) < cells / 8
-    assert len(condensation.squares.cells) < cells / 8
+    assert len(decomposition.values.cells) < cells / 8
+    assert len(decomposition.squares.cells) < cells / 8
 
 
-def test_on_its_own_cells_a_template_is_itself(condensation):
-    spread = condensation.values.spread
+def test_on_its_own_cells_a_template_is_itself(decomposition):
+    spread = decomposition.values.coefficients
     np.testing.assert_array_equal(
-        spread[:, condensation.values.cells], np.eye(len(spread), dtype=np.float32)
+        spread[:, decomposition.values.cells], np.eye(len(spread), dtype=np.float32)
     )
 
 
 def test_what_was_made_is_kept_and_shared_by_sizes_alike():
-    condenser, facet = Condenser(PROFILE), _facet()
-    one = condenser.of(facet, "cells", PRIOR)
-    assert condenser.of(facet, "cells", ShapePrior(MIDDLE + 0.01, 0.3)) is one
-    assert isinstance(condenser.of(facet, "cells", ShapePrior(MIDDLE + 0.5, 0.3)), Condensation)
-    assert condenser.of(facet, "cells", ShapePrior(MIDDLE + 0.5, 0.3)) is not one
+    cache, facet = DecompositionCache(PROFILE), _facet()
+    first = cache.decomposition(facet, "cells", PRIOR)
+    assert cache.decomposition(facet, "cells", ShapePrior(MIDDLE + 0.01, 0.3)) is first
+    assert isinstance(
+        cache.decomposition(facet, "cells", ShapePrior(MIDDLE + 0.5, 0.3)), TemplateDecomposition
+    )
+    assert cache.decomposition(facet, "cells", ShapePrior(MIDDLE + 0.5, 0.3)) is not first

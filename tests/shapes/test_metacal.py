@@ -32,7 +32,7 @@ NOTHING = np.zeros(len(POWER), complex)
 
 
 def _all(facets):
-    return [facets.still, *facets.moved[0], *facets.moved[1]]
+    return [facets.unsheared, *facets.sheared[0], *facets.sheared[1]]
 
 
 SHEARS = [0j, STEP + 0j, -STEP + 0j, STEP * 1j, -STEP * 1j]
@@ -42,7 +42,7 @@ def test_sheared_data_are_those_of_the_sheared_galaxy():
     e, alpha, place = 0.3 - 0.2j, 0.9 * ARCSEC, np.array([0.4, -0.3]) * ARCSEC
     galaxy = GalaxyFit(2e-5, place, e, alpha, 0.0)
     data = POWER * Template(CELLS.uv, Exponential()).model(galaxy)
-    for facet, g in zip(_all(METACAL.of(data, NOTHING)), SHEARS, strict=True):
+    for facet, g in zip(_all(METACAL.sheared_facets(data, NOTHING)), SHEARS, strict=True):
         after = add_shear(np.array([e]), g)
         size = sheared_scale_length(np.array([alpha]), np.array([e]), after)
         matrix = np.array([[1 + g.real, g.imag], [g.imag, 1 - g.real]]) / np.sqrt(1 - abs(g) ** 2)
@@ -54,7 +54,7 @@ def test_sheared_data_are_those_of_the_sheared_galaxy():
 
 def test_the_round_beam_has_no_direction():
     u, v = ROUND.uv.T
-    power = METACAL.of(NOTHING, NOTHING).still.power
+    power = METACAL.sheared_facets(NOTHING, NOTHING).unsheared.power
     # a square of cells cut by a circle: to rounding in u^2 - v^2 but for the cells at v = 0
     assert abs(np.sum(power * (u**2 - v**2))) < 1e-3 * np.sum(power * (u**2 + v**2))
 
@@ -68,8 +68,8 @@ def _quadrupole_response(counter):
     for _ in range(400):
         noise, more = ((a + 1j * b) for a, b in rng.standard_normal((2, 2, len(POWER))))
         data = np.sqrt(POWER) * noise
-        facets = METACAL.of(data, more if counter else NOTHING)
-        plus, minus = facets.moved[0]
+        facets = METACAL.sheared_facets(data, more if counter else NOTHING)
+        plus, minus = facets.sheared[0]
         # power of the noise in the pattern, a quadratic form as every noise bias is
         changes.append(
             np.sum(pattern * (np.abs(plus.correlation) ** 2 - np.abs(minus.correlation) ** 2))
@@ -91,8 +91,8 @@ def test_the_noise_is_about_what_the_power_says():
     ratios = []
     for _ in range(50):
         noise, more = ((a + 1j * b) for a, b in rng.standard_normal((2, 2, len(POWER))))
-        still = METACAL.of(np.sqrt(POWER) * noise, more).still
-        ratios.append(np.sum(still.correlation.real**2) / np.sum(still.power))
+        unsheared = METACAL.sheared_facets(np.sqrt(POWER) * noise, more).unsheared
+        ratios.append(np.sum(unsheared.correlation.real**2) / np.sum(unsheared.power))
     assert np.mean(ratios) == pytest.approx(1.0, abs=0.15)
 
 

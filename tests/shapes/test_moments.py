@@ -86,9 +86,9 @@ def test_the_third_order_is_that_of_galaxies_in_all_directions():
         pairs = zip(after, alpha, strict=True)
         found = [FUNCTIONAL.measure(_data(complex(e), float(size))) for e, size in pairs]
         return {
-            "shape": np.mean([one.shape for one in found], axis=0),
-            "response": np.mean([one.response for one in found], axis=0),
-            "third": np.mean([one.third for one in found]),
+            "shape": np.mean([moments.shape for moments in found], axis=0),
+            "response": np.mean([moments.response for moments in found], axis=0),
+            "third": np.mean([moments.third for moments in found]),
         }
 
     round_, lensed = average(0.0), average(0.15j)
@@ -103,7 +103,7 @@ def test_the_third_order_is_that_of_galaxies_in_all_directions():
 def test_moments_are_linear_in_the_data():
     first, second = _data(0.3), _data(-0.2j, 1.5 * ARCSEC)
     both = FUNCTIONAL.measure(first + second)
-    apart = [FUNCTIONAL.measure(one) for one in (first, second)]
+    apart = [FUNCTIONAL.measure(data) for data in (first, second)]
     np.testing.assert_allclose(both.shape, apart[0].shape + apart[1].shape, rtol=1e-9)
     np.testing.assert_allclose(both.response, apart[0].response + apart[1].response, rtol=1e-9)
 
@@ -111,8 +111,8 @@ def test_moments_are_linear_in_the_data():
 def test_the_covariance_is_that_of_noise():
     rng = np.random.default_rng(4)
     noise = np.sqrt(POWER) * (rng.normal(size=(4000, len(POWER))) + 0j)
-    moments = [FUNCTIONAL.measure(one) for one in noise]
-    values = np.array([[*one.shape, one.size] for one in moments])
+    moments = [FUNCTIONAL.measure(data) for data in noise]
+    values = np.array([[*found.shape, found.size] for found in moments])
     sigma = np.sqrt(np.diag(moments[0].covariance))
     scatter = np.cov(values.T) / np.outer(sigma, sigma)
     expected = moments[0].covariance / np.outer(sigma, sigma)
@@ -123,15 +123,15 @@ def test_known_errors_of_the_position_are_taken_off():
     sigma = 0.4 * ARCSEC
     functional = MomentFunctional(CELLS.uv, POWER, WIDTH, sigma)
     places = sigma * np.random.default_rng(5).normal(size=(3000, 2))
-    got = np.array([functional.measure(_data(0.4, place=one)).shape[0] for one in places])
+    got = np.array([functional.measure(_data(0.4, place=place)).shape[0] for place in places])
     exact = FUNCTIONAL.measure(_data(0.4)).shape[0]
     error = got.std() / np.sqrt(len(got)) / abs(exact)
     assert error < 0.003
     assert abs(got.mean() / exact - 1) < 4 * error
-    ignored = np.array([FUNCTIONAL.measure(_data(0.4, place=one)).shape[0] for one in places])
+    ignored = np.array([FUNCTIONAL.measure(_data(0.4, place=place)).shape[0] for place in places])
     assert ignored.mean() / exact - 1 < -10 * error
 
 
 def test_errors_of_the_position_that_leave_nothing_are_refused():
-    with pytest.raises(InputError, match="bear up to"):
+    with pytest.raises(InputError, match="allow for errors up to"):
         MomentFunctional(CELLS.uv, POWER, WIDTH, 3 * ARCSEC)

@@ -1,4 +1,4 @@
-"""Normal equations and couplings against differences of the likelihood and sums over cells."""
+"""Normal equations and fisher_blocks against differences of the likelihood and sums over cells."""
 
 import math
 from dataclasses import replace
@@ -10,7 +10,7 @@ from tests.reference import likelihood
 from tests.shapes.facets import ALPHA, EXPONENTIAL, PRIOR, samples
 from uvshear.interferometer.facet import BeamPlane, Facet
 from uvshear.shapes.measurement import GalaxyFit
-from uvshear.shapes.normal_equations import couplings, normal_equations, real_product
+from uvshear.shapes.normal_equations import fisher_blocks, normal_equations, real_product
 
 TIGHT = replace(
     PRIOR, ellipticity_sigma=0.25, position_sigma=0.5 * ALPHA, flux=1.2e-6, flux_sigma=5e-7
@@ -45,10 +45,10 @@ def _direct_block(uv, power, i, j):
     return np.real(np.einsum("ak,bk,k->ab", responses[0], responses[1].conj(), power))
 
 
-def test_couplings_are_sums_of_products_of_the_galaxies_derivatives():
+def test_fisher_blocks_are_sums_of_products_of_the_galaxies_derivatives():
     uv, power = samples()
     fits = [_fit(theta) for theta in THETAS]
-    blocks = couplings(PLACES, fits, EXPONENTIAL, BeamPlane(uv, power), 2)
+    blocks = fisher_blocks(PLACES, fits, EXPONENTIAL, BeamPlane(uv, power), 2)
     assert blocks.shape == (2, 6, 3, 6)
     own = [_direct_block(uv, power, k, k) for k in range(3)]
     for i in range(2):
@@ -62,7 +62,7 @@ def test_couplings_are_sums_of_products_of_the_galaxies_derivatives():
 def test_blocks_of_two_sources_are_one_anothers_transposes():
     uv, power = samples()
     fits = [_fit(theta) for theta in THETAS]
-    blocks = couplings(PLACES, fits, EXPONENTIAL, BeamPlane(uv, power), 3)
+    blocks = fisher_blocks(PLACES, fits, EXPONENTIAL, BeamPlane(uv, power), 3)
     flat = blocks.reshape(18, 18)
     scale = np.sqrt(np.diag(flat))
     np.testing.assert_allclose(

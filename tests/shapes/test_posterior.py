@@ -118,7 +118,7 @@ def test_a_prior_of_the_ellipticity_multiplies_the_posterior():
 def test_a_share_of_the_information_widens_the_posterior_as_more_noise_does():
     facet, _ = noise_free(0.25 - 0.35j, snr=2000.0)
     whole = measure_shape(facet, PRIOR, EXPONENTIAL)
-    part = measure_shape(facet, PRIOR, EXPONENTIAL, share=0.7)
+    part = measure_shape(facet, PRIOR, EXPONENTIAL, information_fraction=0.7)
     # the size's prior, which stays, is nothing at this SNR
     np.testing.assert_allclose(part.covariance, whole.covariance / 0.7, rtol=0.01, atol=1e-9)
     np.testing.assert_allclose(part.ellipticity, whole.ellipticity, atol=2e-5)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from uvshear.execution import in_threads
+from uvshear.execution import SERIAL, in_threads
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
@@ -37,8 +37,8 @@ def _observation(seed=1, channels=3, noise=None, integration=60.0):
     )
 
 
-def _correlations(observation, executor=in_threads(1)):
-    return np.concatenate([block.correlations for block in observation.blocks(threads)])
+def _correlations(observation, executor=SERIAL):
+    return np.concatenate([block.correlations for block in observation.blocks(executor)])
 
 
 def test_without_noise_both_hands_are_the_prediction():
@@ -68,7 +68,7 @@ def test_the_four_components_of_the_noise_are_independent():
     assert np.abs(correlation).max() < 5 / np.sqrt(components.shape[1])
 
 
-def test_the_same_seed_gives_the_same_noise_whatever_the_threads_and_blocks(monkeypatch):
+def test_the_same_seed_gives_the_same_noise_whatever_the_executor_and_blocks(monkeypatch):
     observation = _observation()
     monkeypatch.setattr(module, "SAMPLES_PER_SLAB", 3 * 1000)
     together = _correlations(observation)

@@ -132,7 +132,7 @@ class MockBeam:
         pixel = 1 / (2 * OVERSAMPLING * longest)
         gridding = Gridding(executor=executor)
         plan = BeamPlan.around(np.zeros((1, 2)), 0.0, longest, pixel)
-        beams = gather_beams(observation, plan, Response.of(galaxies), gridding)
+        beams = gather_beams(observation, plan, Response.from_sky(galaxies), gridding)
         return cls(beams.images[0], pixel, longest)
 
     def simulator(self, log_median: float, sigma: float) -> FacetSimulator:

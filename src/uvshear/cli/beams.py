@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from uvshear.cli.panels import MODEL
-from uvshear.errors import InputError
+from uvshear.cli.registered import named_by
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +24,7 @@ PrimaryBeamOption = Annotated[
         metavar="NAME",
         rich_help_panel=MODEL,
         help="Primary beam of the dishes: none, airy (uniformly lit dishes of their diameters), cosine-cubed"
-        " (a power beam cos^3 of the same width), meerkat, or one of your own.",
+        " (a power beam cos^3 of the same width), meerkat, or MODULE:NAME of your own.",
     ),
 ]
 
@@ -48,7 +48,5 @@ def beam_of_dishes(
 
     if name == NONE:
         return None
-    try:
+    with named_by("--primary-beam", name):
         return primary_beam_named(name, diameters, pointing)
-    except InputError as error:
-        raise InputError(f"--primary-beam {name}: {error}") from error

@@ -23,6 +23,7 @@ from uvshear.cli.options import (
     provenance,
 )
 from uvshear.cli.panels import ARRAY, METHOD, NOISE, OUTPUT, SKY, GroupedCommand
+from uvshear.cli.registered import PROFILES, profile_named_by_option
 from uvshear.cli.terminal import progress_bar, say
 from uvshear.errors import InputError
 
@@ -41,9 +42,12 @@ class SelectionName(StrEnum):
     MEASURED = "measured"
 
 
+SHORT = "Measure the bias m and c of an estimator on simulated galaxies."
+
+
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("bias", epilog=EPILOG, cls=GroupedCommand)(bias)
+    app.command("bias", epilog=EPILOG, short_help=SHORT, cls=GroupedCommand)(bias)
 
 
 def bias(
@@ -53,7 +57,7 @@ def bias(
         typer.Option(
             metavar="NAME",
             rich_help_panel=METHOD,
-            help=f"Estimator of the shear: {NAMES}, or one of your own.",
+            help=f"Estimator of the shear: {NAMES}, or MODULE:NAME of your own.",
             show_default=False,
         ),
     ],
@@ -74,8 +78,8 @@ def bias(
         typer.Option(
             callback=positive,
             rich_help_panel=SKY,
-            help="Galaxies per square arcminute that are together in the beam and extracted; without a density each"
-            " is alone.",
+            help="Density of a crowded field, in galaxies per square arcminute, whose galaxies are extracted from one"
+            " another; by default each galaxy is alone in the beam.",
         ),
     ] = None,
     snr_min: Annotated[
@@ -90,7 +94,8 @@ def bias(
         SelectionName,
         typer.Option(
             rich_help_panel=SKY,
-            help="Whether --snr-min cuts by the flux of the catalogue, or by the fit, in which shear has a say.",
+            help="Signal-to-noise ratio on which --snr-min cuts: that of the catalogue's flux, or that of the fit,"
+            " which shear and noise change.",
         ),
     ] = SelectionName.CATALOGUE,
     flux_min_ujy: Annotated[
@@ -114,7 +119,7 @@ def bias(
         typer.Option(
             callback=non_negative,
             rich_help_panel=SKY,
-            help="Modulus |g| of the shears; 0 measures the additive bias alone.",
+            help="Modulus |g| of the shears; with 0 only the additive bias is measured.",
         ),
     ] = 0.02,
     orientations: Annotated[
@@ -122,7 +127,7 @@ def bias(
         typer.Option(
             min=2,
             rich_help_panel=SKY,
-            help="Number of directions of g, equally spaced from 22.5 deg on.",
+            help="Number of directions of g, equally spaced, the first at 22.5 deg.",
         ),
     ] = 2,
     rings: Annotated[
@@ -130,7 +135,8 @@ def bias(
         typer.Option(
             "--rings/--no-rings",
             rich_help_panel=SKY,
-            help="See galaxies with e and with -e: needed for c; m is as well known without, at half the cost.",
+            help="Simulate each galaxy with e and with -e, which c needs; without it m has the same error at half the"
+            " cost.",
         ),
     ] = True,
     legacy_shear: Annotated[
@@ -138,7 +144,8 @@ def bias(
         typer.Option(
             "--legacy-shear",
             rich_help_panel=SKY,
-            help="Change e and keep the scale length, as the paper's simulations do: not what a lens does.",
+            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a lens"
+            " changes both.",
         ),
     ] = False,
     profile: Annotated[
@@ -146,7 +153,7 @@ def bias(
         typer.Option(
             metavar="NAME",
             rich_help_panel=SKY,
-            help="True brightness profile; exponential discs are fitted.",
+            help=f"True brightness profile: {PROFILES}. Exponential discs are fitted.",
         ),
     ] = "exponential",
     prior: Annotated[
@@ -154,8 +161,8 @@ def bias(
         typer.Option(
             metavar=PRIOR_METAVAR,
             rich_help_panel=METHOD,
-            help="Population that bayesian takes galaxies to come from: the paper's, from which they are drawn;"
-            " one fitted to a sample; or that of a JSON file.",
+            help="Population of galaxies that bayesian assumes: the paper's, from which they are drawn, one that is"
+            " fitted to a sample, or that of a JSON file.",
         ),
     ] = PAPER,
     wraps: Annotated[
@@ -163,7 +170,7 @@ def bias(
         typer.Option(
             metavar="NAME",
             rich_help_panel=METHOD,
-            help="Estimator that metacal wraps; the mean unless given.",
+            help="Estimator that metacal wraps; the mean by default.",
             show_default=False,
         ),
     ] = None,
@@ -171,7 +178,7 @@ def bias(
         FacetName,
         typer.Option(
             rich_help_panel=METHOD,
-            help="Facets: exact, or the paper's averages in uv cells (mean only).",
+            help="Way of making facets: exact, or averages in uv cells as in the paper (mean only).",
         ),
     ] = FacetName.EXACT,
     position_error_arcsec: Annotated[
@@ -198,12 +205,14 @@ def bias(
     hours: Annotated[
         float,
         typer.Option(
-            callback=positive, rich_help_panel=ARRAY, help="Length of the track, about transit."
+            callback=positive,
+            rich_help_panel=ARRAY,
+            help="Length of the track, centred on transit.",
         ),
     ] = 8.0,
     integration_s: Annotated[
         float,
-        typer.Option(callback=positive, rich_help_panel=ARRAY, help="Length of an integration."),
+        typer.Option(callback=positive, rich_help_panel=ARRAY, help="Duration of an integration."),
     ] = 300.0,
     band_mhz: Annotated[
         Pair,
@@ -220,14 +229,17 @@ def bias(
             callback=positive_pair,
             metavar="UJY SNR",
             rich_help_panel=NOISE,
-            help="Flux of a galaxy of median size, and the signal-to-noise ratio that the noise gives it.",
+            help="Flux of a galaxy of median size, and its signal-to-noise ratio, which sets the noise.",
         ),
     ] = (10.0, 10.0),
     seed: Seed = 1,
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Measure m and c of an estimator on simulated galaxies, alone or in a crowded field, behind opposite shears."""
+    """Measure the bias m and c of an estimator on simulated galaxies.
+
+    Each galaxy is alone in the beam, or with --density all are in a crowded field.
+    """
     is_measured, is_averaged = selection is SelectionName.MEASURED, facet is FacetName.CELL_AVERAGE
     _refuse(estimator, shear, is_measured=is_measured, is_averaged=is_averaged)
     if density is not None:
@@ -245,7 +257,6 @@ def bias(
     from uvshear.bias import Survey, estimate_bias, opposite_shears
     from uvshear.constants import ARCSEC, MICROJANSKY
     from uvshear.execution import Resources, in_processes
-    from uvshear.galaxy.registry import profile_named
     from uvshear.geometry.directions import PhaseCentre
     from uvshear.interferometer.coverage import Track
     from uvshear.interferometer.layout import load_layout
@@ -257,11 +268,9 @@ def bias(
 
     check_file(output, overwrite=overwrite, inputs=[Path(prior)])
     position_sigma = position_error_arcsec * ARCSEC
-    method = estimator_named(estimator, prior=prior, wraps=wraps, seed=seed)
-    if hasattr(method, "position_sigma"):
-        from uvshear.estimators.registry import configured
-
-        method = configured(method, asked={"position_sigma": position_sigma})
+    method = estimator_named(
+        estimator, prior=prior, wraps=wraps, position_sigma=position_sigma, seed=seed
+    )
     centre = PhaseCentre(0.0, math.radians(declination_deg))
     survey = Survey(
         ObservingPlan(
@@ -270,7 +279,7 @@ def bias(
             Channels.from_band(band_mhz[0] * 1e6, band_mhz[1] * 1e6, 1),
         ),
         noise=GalaxyNoise(snr_at[0] * MICROJANSKY, snr_at[1]),
-        profile=profile_named(profile),
+        profile=profile_named_by_option(profile),
         lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
         snr_min=0.0 if is_measured else snr_min,
         measured_snr_min=snr_min if is_measured else 0.0,

@@ -25,10 +25,12 @@ EPILOG = (
     "-o CAT.fits"
 )
 
+SHORT = "Draw a simulated population of galaxies."
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("catalogue", epilog=EPILOG)(catalogue)
+    app.command("catalogue", epilog=EPILOG, short_help=SHORT)(catalogue)
 
 
 def catalogue(
@@ -52,7 +54,9 @@ def catalogue(
     flux_ujy: Annotated[
         Pair,
         typer.Option(
-            callback=positive_range, metavar="LO HI", help="Least and largest flux density [uJy]."
+            callback=positive_range,
+            metavar="LO HI",
+            help="Smallest and largest flux density [uJy].",
         ),
     ] = (10.0, 200.0),
     ring: Annotated[
@@ -73,11 +77,11 @@ def catalogue(
     ] = None,
     ra_deg: Annotated[
         float | None,
-        typer.Option(callback=finite, help="Right ascension of the field's centre [0]."),
+        typer.Option(callback=finite, help="Right ascension of the field's centre; 0 by default."),
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
-    """Draw galaxies as a survey would find them (Rivi & Miller 2018, section 3).
+    """Draw a population of galaxies with the distributions of Rivi & Miller (2018), section 3.
 
     Without a centre, positions are written as (l, m), which suit any pointing. The true ellipticities in the columns
     e1 and e2 are for simulations; a measurement never uses them.

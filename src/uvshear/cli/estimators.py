@@ -4,6 +4,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from uvshear.cli.registered import named_by
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,7 +22,8 @@ def estimator_named(
     *,
     prior: str = PAPER,
     wraps: str | None = None,
-    asked: dict[str, Any] | None = None,
+    position_sigma: float | None = None,
+    option: str = "--estimator",
     seed: int = 1,
 ) -> "Estimator":
     """Return the estimator of a name with the settings of the options.
@@ -32,22 +34,32 @@ def estimator_named(
         Population of the galaxies: the paper's, one fitted to the sample, or a file.
     wraps
         Estimator that is wrapped, with the same prior.
-    asked
-        Settings that the estimator must have.
+    position_sigma
+        Standard error of the catalogue's positions [rad], for estimators that take account of it.
+    option
+        Option that has the name, for messages.
     """
     from uvshear.estimators.registry import configured, estimator_of
 
-    estimator = estimator_of(name)
-    settings: dict[str, Any] = dict(asked or {})
+    with named_by(option, name):
+        estimator = estimator_of(name)
+    settings: dict[str, Any] = {}
     if wraps is not None:
         if not hasattr(estimator, "wrapped"):
-            raise InputError(f"--wraps {wraps}: --estimator {name} wraps no other; metacal does")
-        settings["wrapped"] = estimator_named(wraps, prior=prior, seed=seed)
+            raise InputError(
+                f"--wraps {wraps}: {option} {name} wraps no other estimator; metacal does"
+            )
+        settings["wrapped"] = estimator_named(
+            wraps, prior=prior, position_sigma=position_sigma, option="--wraps", seed=seed
+        )
     elif prior != PAPER:
         if not hasattr(estimator, "fits_population"):
-            raise InputError(f"--prior {prior}: --estimator {name} has no prior; bayesian has")
+            raise InputError(f"--prior {prior}: {option} {name} has no prior; bayesian has")
         settings |= _population(prior)
-    return configured(estimator, asked=settings, offered={"seed": seed})
+    offered: dict[str, Any] = {"seed": seed}
+    if position_sigma is not None:
+        offered["position_sigma"] = position_sigma
+    return configured(estimator, asked=settings, offered=offered)
 
 
 def _population(prior: str) -> dict[str, object]:
@@ -56,5 +68,7 @@ def _population(prior: str) -> dict[str, object]:
     if prior == FITTED:
         return {"fits_population": True}
     if not Path(prior).exists():
-        raise InputError(f"--prior {prior}: is neither {PAPER} nor {FITTED}, nor a file")
+        raise InputError(
+            f"--prior {prior}: is neither {PAPER} nor {FITTED}, nor a file that exists"
+        )
     return {"population": read_population(Path(prior))}

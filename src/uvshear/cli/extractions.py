@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
+from uvshear.cli.registered import named_by
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
@@ -82,4 +83,5 @@ class ExtractionChoice:
                 raise InputError(
                     f"{option}: is an option of the package's own extractions, not of --extraction {self.name}"
                 )
-        return extraction_named(self.name)
+        with named_by("--extraction", self.name):
+            return extraction_named(self.name)

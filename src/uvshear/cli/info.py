@@ -24,10 +24,12 @@ EPILOG = "Example: uvshear info FIELD.ms"
 
 Fact = tuple[str, str]
 
+SHORT = "Print what a Measurement Set holds."
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("info", epilog=EPILOG, cls=GroupedCommand)(info)
+    app.command("info", epilog=EPILOG, short_help=SHORT, cls=GroupedCommand)(info)
 
 
 def info(
@@ -40,8 +42,8 @@ def info(
     scans: ScansOption = None,
     conjugate: ConjugateOption = False,
 ) -> None:
-    """Print what a Measurement Set holds: array, fields, frequencies, flags, baselines, and its noise against its weights."""
-    from uvshear.io.inspection import inspect
+    """Print what a Measurement Set holds: array, fields, frequencies, flags, baselines, noise against weights."""
+    from uvshear.io.observations import inspect
 
     reading = reading_of(column, field, scans, conjugates=conjugate, subtracted=subtract)
     for path in measurement_sets:

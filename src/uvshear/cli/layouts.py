@@ -12,10 +12,12 @@ from uvshear.cli.terminal import say, show_table
 
 EPILOG = "Example: uvshear layouts ska-mid-aa4 -o ska.png"
 
+SHORT = "List the known arrays, or show one and draw its map."
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("layouts", epilog=EPILOG)(layouts)
+    app.command("layouts", epilog=EPILOG, short_help=SHORT)(layouts)
 
 
 def layouts(
@@ -24,7 +26,7 @@ def layouts(
     ] = None,
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="Map to draw; NAME-layout.png unless given."),
+        typer.Option("-o", "--output", help="Map to draw; NAME-layout.png by default."),
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:

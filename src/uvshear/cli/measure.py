@@ -27,6 +27,7 @@ from uvshear.cli.reading import (
     SubtractOption,
     reading_of,
 )
+from uvshear.cli.registered import PROFILES, named_by, profile_named_by_option
 from uvshear.cli.terminal import notes_of_warnings, progress_bar, say, shorten, warn
 from uvshear.cli.weightings import (
     GaussianTaperOption,
@@ -49,7 +50,7 @@ if TYPE_CHECKING:
     from uvshear.galaxy import SizeModel
     from uvshear.interferometer.visibilities import Observation
     from uvshear.io.catalogue import Catalogue
-    from uvshear.io.readers import Reading
+    from uvshear.io.reading import Reading
 
 EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits --keep moments -o SHAPES.fits"
 
@@ -71,9 +72,12 @@ class SizePriorName(StrEnum):
     CATALOGUE = "catalogue"
 
 
+SHORT = "Measure the ellipticity of every source of a catalogue."
+
+
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("measure", epilog=EPILOG, cls=GroupedCommand)(measure)
+    app.command("measure", epilog=EPILOG, short_help=SHORT, cls=GroupedCommand)(measure)
 
 
 def measure(
@@ -98,7 +102,7 @@ def measure(
         NoiseName,
         typer.Option(
             rich_help_panel=DATA,
-            help="Take the noise from the weights, or scale the weights to the scatter of the data.",
+            help="Source of the noise: the weights, or the scatter of the data, to which the weights are then scaled.",
         ),
     ] = NoiseName.WEIGHTS,
     ignore_flags: Annotated[
@@ -106,7 +110,7 @@ def measure(
         typer.Option(
             "--ignore-flags",
             rich_help_panel=DATA,
-            help="Use flagged visibilities too, for a first look.",
+            help="Use flagged visibilities as well, for a first look.",
         ),
     ] = False,
     flux_unit: Annotated[
@@ -128,15 +132,14 @@ def measure(
         typer.Option(
             metavar="NAME",
             rich_help_panel=MODEL,
-            help="Brightness profile of the galaxies: exponential, gaussian, sersic-2, disc-bulge, or one of"
-            " your own.",
+            help=f"Brightness profile of the galaxies: {PROFILES}.",
         ),
     ] = "exponential",
     size_prior: Annotated[
         SizePriorName,
         typer.Option(
             rich_help_panel=MODEL,
-            help="Take the prior on the size from the flux, or from the catalogue's scale_length.",
+            help="Source of the prior on the size: the flux, or the scale_length of the catalogue.",
         ),
     ] = SizePriorName.FLUX,
     position_radius_arcsec: Annotated[
@@ -144,8 +147,8 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=MODEL,
-            help="Radius within which the catalogue's positions are right; by default the width of the peak of"
-            " the correlation.",
+            help="Radius about the catalogue's position within which a source lies; by default the width of the peak"
+            " of the correlation.",
         ),
     ] = None,
     primary_beam: PrimaryBeamOption = NONE,
@@ -154,7 +157,7 @@ def measure(
         typer.Option(
             "--smearing/--no-smearing",
             rich_help_panel=MODEL,
-            help="Model sources as channels and integrations average them (converged extraction).",
+            help="Model sources as averaged over channels and integrations (converged extraction).",
         ),
     ] = True,
     extraction: Annotated[
@@ -163,14 +166,14 @@ def measure(
             metavar="NAME",
             rich_help_panel=METHOD,
             help="Algorithm that tells sources apart: converged (until nothing changes), paper (one pass, as"
-            " Rivi & Miller 2018), or one of your own.",
+            " Rivi & Miller 2018), or MODULE:NAME of your own.",
         ),
     ] = CONVERGED,
     facet: Annotated[
         FacetName | None,
         typer.Option(
             rich_help_panel=METHOD,
-            help="Facets: exact (converged), or the paper's averages in uv cells (paper).",
+            help="Way of making facets: exact (converged extraction), or averages in uv cells (paper).",
             show_default=False,
         ),
     ] = None,
@@ -179,7 +182,7 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=METHOD,
-            help="Width of a facet in scale lengths; the paper's have the cells of its Table 1 by default.",
+            help="Width of a facet in scale lengths; by default the paper's facets have the cells of its Table 1.",
         ),
     ] = None,
     passes: Annotated[
@@ -187,7 +190,7 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=METHOD,
-            help="Number of passes of --extraction paper over the sources; 1 by default.",
+            help="Number of passes over the sources with --extraction paper; 1 by default.",
         ),
     ] = None,
     uv_min: Annotated[
@@ -195,8 +198,8 @@ def measure(
         typer.Option(
             callback=non_negative,
             rich_help_panel=METHOD,
-            help="Shortest baseline to use [wavelengths]; by default the shortest that tells of shapes"
-            " (converged extraction).",
+            help="Shortest baseline to use [wavelengths]; by default the converged extraction begins where baselines"
+            " carry information on shapes.",
             show_default=False,
         ),
     ] = None,
@@ -219,7 +222,7 @@ def measure(
             rich_help_panel=OUTPUT,
             metavar="NAMES",
             help="Estimators of the shear whose statistics are kept beside the shapes, joined by commas:"
-            " moments, bayesian, metacal, or one of your own (converged extraction).",
+            " moments, bayesian, metacal, or MODULE:NAME of your own (converged extraction).",
             show_default=False,
         ),
     ] = None,
@@ -228,8 +231,8 @@ def measure(
         typer.Option(
             metavar="FILE.fits",
             rich_help_panel=OUTPUT,
-            help="Dirty image with natural weights, and what is left of it without the sources that were found;"
-            " a picture of both goes to FILE.png.",
+            help="File for two images with natural weights: the dirty image, and the residual image, in which the"
+            " fitted sources are subtracted. A picture of both goes to FILE.png.",
             show_default=False,
         ),
     ] = None,
@@ -240,7 +243,7 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=RESOURCES,
-            help="Memory to keep what would be worked out again [GB]; by default half of the machine's.",
+            help="Memory for what would otherwise be computed again [GB]; by default half of the machine's.",
         ),
     ] = None,
 ) -> None:
@@ -261,7 +264,6 @@ def measure(
     from uvshear.estimators.registry import estimators_of
     from uvshear.execution import Resources, in_threads
     from uvshear.extraction import MeasurementOptions, Method, Model
-    from uvshear.galaxy.registry import profile_named
     from uvshear.io.catalogue import read_catalogue
     from uvshear.pipeline.measure import measure as measure_sources
     from uvshear.pipeline.measurement import check_outputs
@@ -269,7 +271,8 @@ def measure(
     check_outputs(output, overwrite=overwrite, inputs=(catalogue,))
     if residual_image is not None:
         check_residual_image(residual_image, output, catalogue, overwrite=overwrite)
-    kept = () if keep is None else estimators_of(keep)
+    with named_by("--keep", keep or ""):
+        kept = estimators_of(keep or ())
     method = Method(
         extraction=choice.extraction(),
         uv_range=uv_range,
@@ -279,7 +282,7 @@ def measure(
     resources = Resources(executor) if memory_gb is None else Resources(executor, memory_gb * 1e9)
     # Options that do not go together are refused before anything is read.
     MeasurementOptions(method=method, resources=resources, keep=kept)
-    brightness = profile_named(profile)
+    brightness = profile_named_by_option(profile)
     if primary_beam != NONE and not method.extraction.models_attenuation:
         raise InputError(
             f"--extraction {extraction} --primary-beam {primary_beam}: this extraction has no primary beam;"
@@ -396,17 +399,17 @@ def tell_convergence(record: "Mapping[str, object]") -> None:
     if not isinstance(left, float) or not isinstance(tolerance, float):
         return
     say(
-        f"{record['major_cycles']} major cycles; another would change the sources by {left:.2g} of the noise (rms),"
-        f" one of them by {record['left_undone_most']:.2g}"
+        f"{record['major_cycles']} major cycles; another one would change the sources by {left:.2g} of the noise"
+        f" (rms), and by {record['left_undone_most']:.2g} at most"
     )
     if left > tolerance:
         warn(
             f"the sky has not converged: another major cycle would change it by {left:.2g} of the noise, which is"
-            f" more than {tolerance:g}; overlapping galaxies are to be taken with care"
+            f" more than {tolerance:g}; treat the shapes of overlapping galaxies with care"
         )
     released = record.get("released")
     if isinstance(released, list) and released[-1] > RELEASED:
         warn(
-            "the sky without priors, of which the kept statistics are, still moved by"
-            f" {released[-1]:.2g} of the noise (rms) at the end; shears from these statistics are to be taken with care"
+            "the sky without priors, on which the kept statistics rest, still moved by"
+            f" {released[-1]:.2g} of the noise (rms) at the end; treat shears from these statistics with care"
         )

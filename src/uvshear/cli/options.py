@@ -9,10 +9,10 @@ import typer
 
 from uvshear.cli.panels import OUTPUT, RESOURCES, GroupedCommand
 from uvshear.errors import InputError
-from uvshear.io.provenance import Provenance
 
 if TYPE_CHECKING:
     from uvshear.interferometer.uv_range import UvRange
+    from uvshear.io.provenance import Provenance
 
 Pair = tuple[float, float]
 
@@ -139,13 +139,15 @@ Threads = Annotated[
         "--threads",
         min=0,
         rich_help_panel=RESOURCES,
-        help="Number of workers to compute with; 0 takes all cores.",
+        help="Number of cores to use; 0 takes all of them.",
     ),
 ]
 
 
-def provenance(context: typer.Context, *inputs: Path) -> Provenance:
+def provenance(context: typer.Context, *inputs: Path) -> "Provenance":
     """Say how an output is made: the command with all its options, and the files it read."""
+    from uvshear.io.provenance import Provenance
+
     options = {
         name: str(value) if isinstance(value, Path) else value
         for name, value in sorted(context.params.items())

@@ -1,6 +1,5 @@
 """Groups of options in the help of long commands."""
 
-from collections import defaultdict
 from typing import Any, Final
 
 from typer.core import TyperCommand
@@ -14,20 +13,23 @@ METHOD: Final = "Method"
 OUTPUT: Final = "Output"
 RESOURCES: Final = "Resources"
 
+_ARGUMENTS: Final = "Arguments"
 _OTHERS: Final = "Options"
+
+ORDER: Final = (_ARGUMENTS, DATA, SKY, ARRAY, NOISE, MODEL, METHOD, OUTPUT, RESOURCES, _OTHERS)
+"""Groups in the order of the help, the same for all commands."""
 
 
 class GroupedCommand(TyperCommand):
-    """A command whose help shows its options group by group, in the order in which groups are met."""
+    """A command whose help shows its options group by group."""
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write arguments, then the options of each group."""
-        groups: dict[str, list[tuple[str, str]]] = defaultdict(list)
+        groups: dict[str, list[tuple[str, str]]] = {name: [] for name in ORDER}
         for parameter in self.get_params(ctx):
             if (record := parameter.get_help_record(ctx)) is not None:
                 groups[_group_of(parameter)].append(record)
-        general = groups.pop(_OTHERS, [])
-        for name, records in [*groups.items(), (_OTHERS, general)]:
+        for name, records in groups.items():
             if records:
                 with formatter.section(name):
                     formatter.write_dl(records)
@@ -35,5 +37,5 @@ class GroupedCommand(TyperCommand):
 
 def _group_of(parameter: Any) -> str:
     if parameter.param_type_name == "argument":
-        return "Arguments"
+        return _ARGUMENTS
     return getattr(parameter, "rich_help_panel", None) or _OTHERS

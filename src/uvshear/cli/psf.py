@@ -39,10 +39,12 @@ from uvshear.errors import InputError
 
 EPILOG = "Example: uvshear psf FIELD.ms --round-psf -o field-psf.png"
 
+SHORT = "Measure the point spread function, draw it and the uv coverage."
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("psf", epilog=EPILOG, cls=GroupedCommand)(psf)
+    app.command("psf", epilog=EPILOG, short_help=SHORT, cls=GroupedCommand)(psf)
 
 
 def psf(
@@ -58,13 +60,13 @@ def psf(
             "-o",
             "--output",
             rich_help_panel=OUTPUT,
-            help="Picture of the PSF; FIELD-psf.png unless given.",
+            help="Picture of the PSF; FIELD-psf.png by default.",
         ),
     ] = None,
     uv_output: Annotated[
         Path | None,
         typer.Option(
-            rich_help_panel=OUTPUT, help="Picture of the uv coverage; FIELD-uv.png unless given."
+            rich_help_panel=OUTPUT, help="Picture of the uv coverage; FIELD-uv.png by default."
         ),
     ] = None,
     weight_sigma_arcsec: Annotated[
@@ -72,7 +74,7 @@ def psf(
         typer.Option(
             callback=all_positive,
             rich_help_panel=METHOD,
-            help="Width of the Gaussian under which moments are taken; may be repeated. 1 and 3 unless given.",
+            help="Width (sigma) of the Gaussian under which moments are taken; may be repeated; 1 and 3 by default.",
             show_default=False,
         ),
     ] = None,
@@ -81,14 +83,16 @@ def psf(
         typer.Option(
             callback=positive,
             rich_help_panel=METHOD,
-            help="Scale length of the galaxy whose loss of shape information is shown; 1 unless given.",
+            help="Scale length of the galaxy for which the loss of information is shown; 1 by default.",
             show_default=False,
         ),
     ] = None,
     pixel_arcsec: Annotated[
         float,
         typer.Option(
-            callback=positive, rich_help_panel=METHOD, help="Pixels of the image of the PSF."
+            callback=positive,
+            rich_help_panel=METHOD,
+            help="Size of the pixels of the image of the PSF.",
         ),
     ] = 0.1,
     uv_min: Annotated[
@@ -119,7 +123,11 @@ def psf(
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Measure the ellipticity and size of the PSF, show what a weighting makes of it and costs, and draw the uv coverage."""
+    """Measure the ellipticity and the size of the PSF, and draw it and the uv coverage.
+
+    With a weighting, the weighted PSF is shown beside the natural one, and the information on shapes that the
+    weighting costs.
+    """
     uv_range = uv_range_of(uv_min, uv_max)
     sigmas = weight_sigma_arcsec or [1.0, 3.0]
     choice = WeightChoice(
@@ -149,21 +157,12 @@ def psf(
     from uvshear.imaging import ImageGrid
     from uvshear.interferometer.weighting import TukeyTaper, weighted
     from uvshear.io.observations import open_observation
-    from uvshear.io.outputs import check_file
 
     stem = measurement_sets[0].name.removesuffix(".ms").removesuffix(".MS")
-    psf_picture = Path(f"{stem}-psf.png") if output is None else output
-    uv_picture = Path(f"{stem}-uv.png") if uv_output is None else uv_output
-    if psf_picture == uv_picture:
-        raise InputError(f"--output and --uv-output: both are {psf_picture}; give two names")
-    for path in (psf_picture, uv_picture):
-        check_file(path, overwrite=overwrite)
-    size = 2 * round(5 * max(sigmas) / pixel_arcsec)
-    if not 16 <= size <= 16384:
-        raise InputError(
-            f"--weight-sigma-arcsec {max(sigmas):g} --pixel-arcsec {pixel_arcsec:g}:"
-            f" an image of {size} pixels; pixels of sigma/5 or so are needed"
-        )
+    psf_picture = output or Path(f"{stem}-psf.png")
+    uv_picture = uv_output or Path(f"{stem}-uv.png")
+    check_pictures(psf_picture, uv_picture, overwrite=overwrite)
+    size = image_size(max(sigmas), pixel_arcsec)
     reading = reading_of(column, field, scans, conjugates=conjugate)
     executor = in_threads(threads)
     natural = open_observation(measurement_sets, reading)
@@ -191,14 +190,30 @@ def psf(
 
     shown, title = list(images.values())[-1], f"PSF, {shorten(stem)}"
     title += ", weighted" if is_weighted else ""
-    save(
-        draw_psf(shown, grid.pixel, figures[-1].ellipticity, title),
-        psf_picture,
-        overwrite=overwrite,
-    )
-    save(
-        draw_uv_coverage(coverage.uvw, coverage.frequency, f"uv coverage, {shorten(stem)}"),
-        uv_picture,
-        overwrite=overwrite,
-    )
+    picture = draw_psf(shown, grid.pixel, figures[-1].ellipticity, title)
+    save(picture, psf_picture, overwrite=overwrite)
+    title = f"uv coverage, {shorten(stem)}"
+    picture = draw_uv_coverage(coverage.uvw, coverage.frequency, title)
+    save(picture, uv_picture, overwrite=overwrite)
     say(f"pictures: {psf_picture}, {uv_picture}")
+
+
+def check_pictures(psf_picture: Path, uv_picture: Path, *, overwrite: bool) -> None:
+    """Refuse pictures that cannot be written, before anything is computed for them."""
+    from uvshear.io.outputs import check_file
+
+    if psf_picture == uv_picture:
+        raise InputError(f"--output and --uv-output: both are {psf_picture}; give two names")
+    for path in (psf_picture, uv_picture):
+        check_file(path, overwrite=overwrite)
+
+
+def image_size(sigma_arcsec: float, pixel_arcsec: float) -> int:
+    """Return the side of an image that holds the widest weight [pixels]."""
+    size = 2 * round(5 * sigma_arcsec / pixel_arcsec)
+    if not 16 <= size <= 16384:
+        raise InputError(
+            f"--weight-sigma-arcsec {sigma_arcsec:g} --pixel-arcsec {pixel_arcsec:g}:"
+            f" an image of {size} pixels; pixels of sigma/5 or so are needed"
+        )
+    return size

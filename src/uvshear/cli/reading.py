@@ -9,7 +9,7 @@ from uvshear.cli.panels import DATA
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
-    from uvshear.io.observations import Reading
+    from uvshear.io.reading import Reading
 
 ColumnOption = Annotated[
     str, typer.Option("--column", rich_help_panel=DATA, help="Column of the visibilities.")
@@ -59,7 +59,7 @@ def reading_of(
     subtracted: str | None = None,
 ) -> "Reading":
     """Put the options together; a number is a field's id, anything else its name."""
-    from uvshear.io.observations import Reading
+    from uvshear.io.reading import Reading
 
     chosen = int(field) if field is not None and field.isdecimal() else field
     return Reading(

@@ -1,38 +1,31 @@
 """Options whose value is a registered name, or MODULE:NAME of an object of the user's own."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
 
-from collections.abc import Callable
-
-import typer
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Final
 
 from uvshear.errors import InputError
-from uvshear.plugins import Registry
+
+if TYPE_CHECKING:
+    from uvshear.galaxy import Profile
+
+PROFILES: Final = "exponential, gaussian, sersic-2, disc-bulge, or MODULE:NAME of your own"
+"""The package's own profiles, for help; those that other packages register are known too."""
 
 
-def known_in(
-    *registries: Registry, besides: tuple[str, ...] = ()
-) -> Callable[[str | None], str | None]:
-    """Return a check that a name is in one of the registries, or is one of those ``besides``, or has a colon.
-
-    The name alone is looked at: what it stands for is imported when the command runs.
-    """
-
-    def check(name: str | None) -> str | None:
-        if name is None or ":" in name or name in besides:
-            return name
-        known = [
-            *besides,
-            *(one for registry in registries for one in (*registry.names(), *registry.aliases)),
-        ]
-        if name not in known:
-            raise typer.BadParameter(f"'{name}' is not known; {', '.join(known)} are")
-        return name
-
-    return check
-
-
-def import_named(registry: Registry, option: str, name: str) -> object:
-    """Import what a name stands for; errors name the option."""
+@contextmanager
+def named_by(option: str, name: str) -> Iterator[None]:
+    """Let errors of a name that nobody knows, or that cannot be imported, begin with the option that has it."""
     try:
-        return registry.find(name)
+        yield
     except InputError as error:
         raise InputError(f"{option} {name}: {error}") from error
+
+
+def profile_named_by_option(name: str) -> "Profile":
+    """Return the profile that ``--profile`` names."""
+    from uvshear.galaxy.registry import profile_named
+
+    with named_by("--profile", name):
+        return profile_named(name)

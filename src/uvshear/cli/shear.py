@@ -17,10 +17,12 @@ if TYPE_CHECKING:
 
 EPILOG = "Example: uvshear shear SHAPES.fits --estimator moments -o SHEAR.json"
 
+SHORT = "Estimate the shear of measured galaxies."
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("shear", epilog=EPILOG, cls=GroupedCommand)(shear)
+    app.command("shear", epilog=EPILOG, short_help=SHORT, cls=GroupedCommand)(shear)
 
 
 def shear(
@@ -31,7 +33,7 @@ def shear(
         typer.Option(
             metavar="NAME",
             rich_help_panel=METHOD,
-            help=f"Estimator of the shear: {NAMES}, or one of your own. Noise biases the mean; moments and"
+            help=f"Estimator of the shear: {NAMES}, or MODULE:NAME of your own. Noise biases the mean; moments and"
             " bayesian have no noise bias, and need measure --keep.",
         ),
     ] = "mean",
@@ -48,13 +50,13 @@ def shear(
         typer.Option(
             callback=non_negative,
             rich_help_panel=DATA,
-            help="Catalogue flux below which galaxies are left out: a cut on which shear has no influence.",
+            help="Catalogue flux below which galaxies are left out; shear moves no galaxy across this cut.",
         ),
     ] = 0.0,
     calibration: Annotated[
         Path | None,
         typer.Option(
-            rich_help_panel=METHOD, help="Bias to take out, a file written by uvshear bias."
+            rich_help_panel=METHOD, help="Bias to remove: a file written by uvshear bias."
         ),
     ] = None,
     prior: Annotated[
@@ -62,8 +64,8 @@ def shear(
         typer.Option(
             metavar=PRIOR_METAVAR,
             rich_help_panel=METHOD,
-            help="Population that bayesian takes galaxies to come from: the paper's, one fitted to the sources,"
-            " or that of a JSON file.",
+            help="Population of galaxies that bayesian assumes: the paper's, one that is fitted to the sources, or that"
+            " of a JSON file.",
         ),
     ] = PAPER,
     seed: Seed = 1,

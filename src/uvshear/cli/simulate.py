@@ -28,6 +28,7 @@ from uvshear.cli.options import (
     reduced_shear,
 )
 from uvshear.cli.panels import ARRAY, DATA, MODEL, NOISE, SKY
+from uvshear.cli.registered import PROFILES, profile_named_by_option
 from uvshear.cli.terminal import progress_bar, say
 from uvshear.errors import InputError
 
@@ -51,9 +52,12 @@ class NoiseOn(StrEnum):
     CORRELATION = "correlation"
 
 
+SHORT = "Simulate the observation of a catalogue."
+
+
 def register(app: typer.Typer) -> None:
     """Add the command."""
-    app.command("simulate", epilog=EPILOG, cls=PairsCommand)(simulate)
+    app.command("simulate", epilog=EPILOG, short_help=SHORT, cls=PairsCommand)(simulate)
 
 
 def simulate(
@@ -69,7 +73,7 @@ def simulate(
         Path,
         typer.Option(
             rich_help_panel=SKY,
-            help="Catalogue of galaxies; columns shear1 and shear2 shear each by itself.",
+            help="Catalogue of galaxies. Columns shear1 and shear2, if it has them, shear each galaxy by itself.",
             show_default=False,
         ),
     ],
@@ -78,7 +82,7 @@ def simulate(
         typer.Option(
             callback=positive,
             rich_help_panel=ARRAY,
-            help="Length of an integration.",
+            help="Duration of an integration.",
             show_default=False,
         ),
     ],
@@ -112,7 +116,9 @@ def simulate(
     hours: Annotated[
         float | None,
         typer.Option(
-            callback=positive, rich_help_panel=ARRAY, help="Length of the track, about transit."
+            callback=positive,
+            rich_help_panel=ARRAY,
+            help="Length of the track, centred on transit.",
         ),
     ] = None,
     hour_angles: Annotated[
@@ -121,7 +127,7 @@ def simulate(
             callback=hour_angle_ranges,
             metavar="A B",
             rich_help_panel=ARRAY,
-            help="Range of the track, in hours from transit; may be repeated.",
+            help="Start and end of the track, in hours from transit; may be repeated.",
         ),
     ] = None,
     channels: Annotated[
@@ -144,7 +150,8 @@ def simulate(
         typer.Option(
             "--legacy-shear",
             rich_help_panel=SKY,
-            help="Change e and keep the scale length, as the paper's simulations do: not what a lens does.",
+            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a lens"
+            " changes both.",
         ),
     ] = False,
     snr_at: Annotated[
@@ -153,7 +160,7 @@ def simulate(
             callback=positive_pair,
             metavar="UJY SNR",
             rich_help_panel=NOISE,
-            help="Flux of a galaxy of median size, and the signal-to-noise ratio that the noise gives it.",
+            help="Flux of a galaxy of median size, and its signal-to-noise ratio, which sets the noise.",
         ),
     ] = None,
     sefd_jy: Annotated[
@@ -166,14 +173,16 @@ def simulate(
     efficiency: Annotated[
         float,
         typer.Option(
-            callback=fraction, rich_help_panel=NOISE, help="System efficiency, with --sefd-jy."
+            callback=fraction,
+            rich_help_panel=NOISE,
+            help="System efficiency in the radiometer equation, with --sefd-jy.",
         ),
     ] = 0.9,
     noise_on: Annotated[
         NoiseOn,
         typer.Option(
             rich_help_panel=NOISE,
-            help="Whether the radiometer equation's sigma is that of Stokes I or of a correlation, with --sefd-jy.",
+            help="Quantity whose sigma the radiometer equation gives, Stokes I or a correlation, with --sefd-jy.",
         ),
     ] = NoiseOn.STOKES_I,
     no_noise: Annotated[
@@ -181,7 +190,7 @@ def simulate(
         typer.Option(
             "--no-noise",
             rich_help_panel=NOISE,
-            help="Add no noise, and keep the weights as with it.",
+            help="Add no noise, but write the weights that the noise would have.",
         ),
     ] = False,
     elevation_limit_deg: Annotated[
@@ -205,8 +214,8 @@ def simulate(
         typer.Option(
             "--smearing",
             rich_help_panel=MODEL,
-            help="Average over channels and integrations, as a correlator does; else each sample is of one frequency"
-            " and moment, as in the paper.",
+            help="Average over channels and integrations, as a correlator does; otherwise each sample is of one"
+            " frequency and one moment, as in the paper.",
         ),
     ] = False,
     primary_beam: PrimaryBeamOption = NONE,
@@ -215,8 +224,7 @@ def simulate(
         typer.Option(
             metavar="NAME",
             rich_help_panel=MODEL,
-            help="Brightness profile of all galaxies: exponential, gaussian, sersic-2, disc-bulge, or one of your"
-            " own.",
+            help=f"Brightness profile of all galaxies: {PROFILES}.",
         ),
     ] = "exponential",
     flux_unit: Annotated[
@@ -230,7 +238,7 @@ def simulate(
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Simulate an observation of a catalogue, exactly, into a Measurement Set."""
+    """Simulate the observation of a catalogue, exactly, without gridding, and write a Measurement Set."""
     if (hours is None) == (not hour_angles):
         raise InputError("--hours or --hour-angles: give one of the two")
     if snr_at is not None and sefd_jy is not None:
@@ -245,7 +253,6 @@ def simulate(
         ranges = tuple((start * 3600, stop * 3600) for start, stop in pairs)
 
     from uvshear.execution import in_threads
-    from uvshear.galaxy.registry import profile_named
     from uvshear.interferometer.coverage import Track
     from uvshear.interferometer.layout import load_layout
     from uvshear.interferometer.plan import ObservingPlan
@@ -257,6 +264,7 @@ def simulate(
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
 
     check_output(output, overwrite=overwrite)
+    brightness = profile_named_by_option(profile)
     executor = in_threads(threads)
     sources = read_catalogue(catalogue, flux_unit=flux_unit)
     centre = phase_centre_of(sources, ra_deg, declination_deg)
@@ -275,7 +283,7 @@ def simulate(
         noise=_noise(sefd, efficiency, noise_on, snr_at or (10.0, 10.0)),
         shear=complex(*shear),
         lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
-        profile=profile_named(profile),
+        profile=brightness,
         seed=None if no_noise else seed,
         executor=executor,
     )

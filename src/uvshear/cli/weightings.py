@@ -28,7 +28,7 @@ WeightOption = Annotated[
     typer.Option(
         "--weight",
         rich_help_panel=METHOD,
-        help="Weighting of the visibilities; all but natural cost information.",
+        help="Weighting of the visibilities; all but natural weights cost information.",
     ),
 ]
 RobustOption = Annotated[
@@ -49,8 +49,8 @@ WeightFieldOption = Annotated[
         "--weight-field-arcmin",
         callback=positive,
         rich_help_panel=METHOD,
-        help="Field of view whose inverse is the width of the uv cells of --weight [10]; the width of an image,"
-        " for wsclean 1.2 of it.",
+        help="Field of view whose inverse is the width of the uv cells of --weight uniform and briggs; 10 by default."
+        " An imager takes the width of its image, wsclean 1.2 times that.",
         show_default=False,
     ),
 ]
@@ -60,7 +60,7 @@ GaussianTaperOption = Annotated[
         "--taper-gaussian-arcsec",
         callback=positive,
         rich_help_panel=METHOD,
-        help="Gaussian taper that makes a beam of this FWHM of a point.",
+        help="Gaussian taper, given by the FWHM of the beam that a point source gets.",
     ),
 ]
 TukeyTaperOption = Annotated[

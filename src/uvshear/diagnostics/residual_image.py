@@ -152,7 +152,7 @@ def residual_image(
     longest = _beyond(used)
     predict: Predict | None = None
     if len(sky):
-        response = Response.of(sky, summary.probes, attenuation)
+        response = Response.from_sky(sky, summary.probes, attenuation)
         modelled = _modelled(sky, profile, response, grid, longest)
         chosen = _direct if len(sky) * summary.samples <= DIRECT else _tiled
         predict = chosen(modelled, used.minimum, longest, gridding)
@@ -285,7 +285,7 @@ def _modelled(
 def _direct(sky: ModelledSky, shortest: float, longest: float, gridding: Gridding) -> Predict:
     """Predict by the sum over sources."""
     galaxies, response = sky.galaxies, sky.response
-    shared = response.shared(galaxies, shortest, longest)
+    shared = response.shared_factors(galaxies, shortest, longest)
     flat = np.zeros(len(galaxies))
     in_wavelengths = np.array([SPEED_OF_LIGHT])
 
@@ -298,7 +298,7 @@ def _direct(sky: ModelledSky, shortest: float, longest: float, gridding: Griddin
             )
             l, m = float(galaxies.l[source]), float(galaxies.m[source])
             index = float(galaxies.spectral_index[source])
-            model += vis[:, 0] * response.own(samples, l, m, index)
+            model += vis[:, 0] * response.source_factor(samples, l, m, index)
         return model * response.gain(samples.frequency)
 
     return predict

@@ -1,49 +1,131 @@
-"""The slope of measured against true ellipticity: how far shapes are from unbiased."""
+"""Slope of measured on true ellipticity: by how much shapes are pulled towards zero, or pushed away from it.
 
+Such a slope depends on the weights of the galaxies. Rivi & Miller 2018 quote one whose formal error is that of weights
+1/s^2, with s the error of each ellipticity: it is dominated by the few brightest galaxies. The posterior mean under a
+flat prior is pulled towards zero at a low signal-to-noise ratio, so that weights which count faint galaxies give lower
+slopes of the same shapes.
+"""
+
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 
 from uvshear.errors import InputError
 from uvshear.typing import Array, Float
 
-SCATTER: Final = 0.07
-"""Variance of one component of e over the population, as the weights take it."""
+POPULATION_VARIANCE: Final = 0.07
+"""Variance of each component of e over the population that :func:`population_weights` supposes."""
+
+Weighting: TypeAlias = Callable[[Float[Array, " source"]], Float[Array, " source"]]
+"""Function from the errors s of one component of e to the weights of the galaxies."""
+
+
+def inverse_variance_weights(error: Float[Array, " source"]) -> Float[Array, " source"]:
+    """Weights 1/s^2, those of the slopes in Rivi & Miller 2018."""
+    return 1 / error**2
+
+
+def population_weights(error: Float[Array, " source"]) -> Float[Array, " source"]:
+    """Weights 1/(s^2 + 0.07), those of galaxies as estimates of the shear, with the scatter of the population."""
+    return 1 / (error**2 + POPULATION_VARIANCE)
+
+
+def equal_weights(error: Float[Array, " source"]) -> Float[Array, " source"]:
+    """Weights of 1 for all galaxies."""
+    return np.ones_like(error)
 
 
 @dataclass(frozen=True)
 class Slope:
-    """A slope through the origin and its standard error."""
+    """Slope of a regression through the origin.
+
+    Parameters
+    ----------
+    value
+        The slope b.
+    error
+        Standard error from the scatter of the galaxies about the line.
+    formal_error
+        Standard error from the quoted errors alone; 1/sqrt(sum x^2/s^2) for weights 1/s^2.
+    effective_number
+        Number of galaxies of equal leverage that would give the same error, (sum w x^2)^2 / sum (w x^2)^2.
+    """
 
     value: float
     error: float
+    formal_error: float
+    effective_number: float
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """Slopes of one component of e with three weightings.
+
+    Parameters
+    ----------
+    inverse_variance
+        Slope with weights 1/s^2, the definition of Rivi & Miller 2018.
+    population
+        Slope with weights 1/(s^2 + 0.07).
+    unweighted
+        Slope with equal weights.
+    """
+
+    inverse_variance: Slope
+    population: Slope
+    unweighted: Slope
 
 
 def fit_slope(
     true: Float[Array, " source"],
     measured: Float[Array, " source"],
-    error: Float[Array, " source"] | None = None,
+    error: Float[Array, " source"],
+    weighting: Weighting = inverse_variance_weights,
 ) -> Slope:
     r"""Regression of measured on true e_i through the origin.
 
     .. math::
-        b = \frac{\sum w x y}{\sum w x^2},\quad w = \frac{1}{s^2 + 0.07},\quad
-        \sigma_b^2 = \frac{\sum w^2 x^2 (y - b x)^2}{(\sum w x^2)^2} \frac{n}{n - 1}
+        b = \frac{\sum w x y}{\sum w x^2},\quad
+        \sigma_b^2 = \frac{\sum w^2 x^2 (y - b x)^2}{(\sum w x^2)^2} \frac{n}{n - 1},\quad
+        \sigma_\mathrm{formal}^2 = \frac{\sum w^2 x^2 s^2}{(\sum w x^2)^2}
 
     Parameters
     ----------
     true, measured
-        One component of e; galaxies with a NaN are left out.
+        One component of e, x and y; galaxies with a NaN are left out.
     error
-        s, the standard deviation of ``measured``; None weighs all alike.
+        Standard deviations s of ``measured``.
+    weighting
+        Weights w as a function of s.
     """
-    weight = np.ones_like(true) if error is None else 1 / (error**2 + SCATTER)
-    good = np.isfinite(true) & np.isfinite(measured) & np.isfinite(weight)
-    x, y, w = true[good], measured[good], weight[good]
-    norm = float(np.sum(w * x**2))
+    good = np.isfinite(true) & np.isfinite(measured) & np.isfinite(error) & (error > 0)
+    x, y, s = true[good], measured[good], error[good]
+    w = weighting(s)
+    leverage = w * x**2
+    norm = float(np.sum(leverage))
     if len(x) < 2 or norm == 0:
-        raise InputError(f"a slope of {len(x)} galaxies; two or more measured ones are needed")
+        raise InputError(f"a slope needs two or more measured galaxies; there are {len(x)}")
     slope = float(np.sum(w * x * y)) / norm
     variance = float(np.sum((w * x * (y - slope * x)) ** 2)) / norm**2
-    return Slope(slope, float(np.sqrt(variance * len(x) / (len(x) - 1))))
+    return Slope(
+        value=slope,
+        error=math.sqrt(variance * len(x) / (len(x) - 1)),
+        formal_error=math.sqrt(float(np.sum((w * x * s) ** 2))) / norm,
+        effective_number=norm**2 / float(np.sum(leverage**2)),
+    )
+
+
+def fit_slopes(
+    true: Float[Array, " source"],
+    measured: Float[Array, " source"],
+    error: Float[Array, " source"],
+) -> Slopes:
+    """Fit the slope of one component of e with each of the three weightings, as :func:`fit_slope`."""
+    return Slopes(
+        inverse_variance=fit_slope(true, measured, error, inverse_variance_weights),
+        population=fit_slope(true, measured, error, population_weights),
+        unweighted=fit_slope(true, measured, error, equal_weights),
+    )

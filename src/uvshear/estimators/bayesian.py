@@ -16,7 +16,7 @@ from uvshear.estimators.shape_likelihood import ShapeLikelihood
 from uvshear.estimators.terms import Terms, shear_in_field_frame
 from uvshear.galaxy import Profile
 from uvshear.progress import Meter
-from uvshear.shapes.interpolative import Condenser
+from uvshear.shapes.interpolative import DecompositionCache
 from uvshear.shapes.likelihood import sample_likelihood
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.typing import Array, Complex
@@ -44,7 +44,9 @@ class Bayesian(Estimator):
     population: UnlensedPopulation = field(default_factory=UnlensedPopulation)
     fits_population: bool = False
     fitted: FittedPopulation | None = None
-    _condensers: dict[Profile, Condenser] = field(default_factory=dict, repr=False, compare=False)
+    _caches: dict[Profile, DecompositionCache] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     name = "bayesian"
     columns: ClassVar = {
@@ -70,20 +72,20 @@ class Bayesian(Estimator):
         return None if likelihood is None else pack(likelihood)
 
     def numbers(self, source: SourceFacet) -> Mapping[str, object] | None:
-        """Sample the likelihood; packing it would take a tenth of the time of all else."""
+        """Sample the likelihood and leave it as it is: packing would take another 7 per cent of the time."""
         likelihood = self._likelihood(source)
         return None if likelihood is None else {LIKELIHOOD: likelihood}
 
     def _likelihood(self, source: SourceFacet) -> ShapeLikelihood | None:
         """Sample the likelihood of a source wherever the population has galaxies."""
         profile = source.profile
-        condenser = self._condensers.setdefault(profile, Condenser(profile))
+        cache = self._caches.setdefault(profile, DecompositionCache(profile))
         found = sample_likelihood(
             source.facet,
             source.prior,
             profile,
             self.population.ellipticity,
-            lambda: condenser.of(source.facet, source.cells, source.prior),
+            lambda: cache.decomposition(source.facet, source.cells, source.prior),
         )
         if found is None:
             return None

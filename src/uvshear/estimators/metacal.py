@@ -120,8 +120,8 @@ def _differences(
     """
     # The round beam was made for a facet whose unit of flux may be another.
     unit = math.sqrt(total / beam.total)
-    seen = beam.metacalibration.of(facet.correlation / unit, noise)
-    facets = [seen.still, *seen.moved[0], *seen.moved[1]]
+    seen = beam.metacalibration.sheared_facets(facet.correlation / unit, noise)
+    facets = [seen.unsheared, *seen.sheared[0], *seen.sheared[1]]
     found = [measure(sheared.in_other_unit(unit)) for sheared in facets]
     if all(numbers is None for numbers in found):
         return None

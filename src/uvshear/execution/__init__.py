@@ -1,8 +1,8 @@
-"""The one seam for work side by side: no other room names a pool or counts threads.
+"""The one place for work in parallel: no other part of the package names a pool or counts threads.
 
 An ``Executor`` runs tasks and gives their results in order. ``Serial``, ``Threads`` and ``Processes`` are executors;
-another one needs the methods of ``executor`` and nothing else. Whoever has work takes an executor as an argument,
-``SERIAL`` unless given.
+another one needs the methods of ``executor.Executor`` and nothing else. Functions with parallel work take an executor
+as an argument, which is ``SERIAL`` unless given.
 """
 
 from uvshear.execution.cores import available_cores, in_processes, in_threads
@@ -14,7 +14,7 @@ from uvshear.execution.serial import Serial
 from uvshear.execution.threads import Threads
 
 SERIAL = Serial()
-"""The executor of whoever gives no other."""
+"""The default executor: one task after the other."""
 
 __all__ = [
     "SERIAL",

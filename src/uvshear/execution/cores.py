@@ -1,4 +1,4 @@
-"""How many cores there are, and the executors that take them."""
+"""Number of cores, and executors with as many workers."""
 
 import os
 
@@ -14,12 +14,12 @@ def available_cores() -> int:
 
 
 def in_threads(count: int = 0) -> Executor:
-    """Return an executor of so many threads; 0 takes all cores."""
+    """Return an executor with this number of threads; 0 stands for the number of cores."""
     count = count or available_cores()
     return Threads(count) if count > 1 else Serial()
 
 
 def in_processes(count: int = 0) -> Executor:
-    """Return an executor of so many processes; 0 takes all cores."""
+    """Return an executor with this number of processes; 0 stands for the number of cores."""
     count = count or available_cores()
     return Processes(count) if count > 1 else Serial()

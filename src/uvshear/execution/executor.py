@@ -1,4 +1,4 @@
-"""What an executor offers: work side by side, with results in the order of the tasks."""
+"""The protocol of executors: tasks in parallel, with results in the order of the tasks."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
@@ -19,7 +19,7 @@ class Executor(ABC):
     @property
     @abstractmethod
     def workers(self) -> int:
-        """Number of tasks that run side by side."""
+        """Number of tasks that run at the same time."""
 
     @abstractmethod
     def at_most(self, workers: int) -> "Executor":
@@ -27,7 +27,7 @@ class Executor(ABC):
 
     @abstractmethod
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
-        """Yield ``function(task)`` of every task; all of them see the memory of this process.
+        """Yield ``function(task)`` for every task; all tasks share the memory of this process.
 
         Tasks are taken from the iterable as they are begun, so that a generator of large tasks is never held as a
         whole.
@@ -40,8 +40,8 @@ class Executor(ABC):
         shared: Shared,
         tasks: Iterable[Task],
     ) -> Iterator[Result]:
-        """Yield ``function(shared, task)`` of every task, which may run in another process.
+        """Yield ``function(shared, task)`` for every task, which may run in another process.
 
-        ``function`` is a function of a module; ``shared`` is sent to each worker once. Both, and tasks and results,
-        can be pickled.
+        ``function`` is defined in a module; ``shared`` is sent to each worker once. Both must be possible to pickle, as
+        must tasks and results.
         """

@@ -1,4 +1,4 @@
-"""Threads that libraries start by themselves, those of linear algebra above all."""
+"""Threads that libraries start by themselves, above all for linear algebra."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,15 +7,15 @@ from threadpoolctl import threadpool_limits
 
 
 def limit_libraries() -> None:
-    """Leave libraries one thread each, for as long as the process lives."""
+    """Limit libraries to one thread each for the rest of the process."""
     threadpool_limits(1)
 
 
 @contextmanager
 def single_threaded_libraries() -> Iterator[None]:
-    """Leave libraries one thread each within the block.
+    """Limit libraries to one thread each within the block.
 
-    Theirs would compete with an executor's for the cores, and change the last bits of a sum.
+    More threads would compete with those of an executor for the cores, and change the last bits of sums.
     """
     with threadpool_limits(1):
         yield

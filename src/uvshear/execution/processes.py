@@ -1,4 +1,4 @@
-"""Tasks side by side in processes: for work that holds the interpreter's lock."""
+"""Tasks in parallel processes, for work that holds the interpreter's lock."""
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -10,12 +10,13 @@ from typing import Any
 from uvshear.errors import InputError
 from uvshear.execution.executor import Executor, Result, Shared, Task
 from uvshear.execution.libraries import limit_libraries
+from uvshear.execution.ordered import ordered_results
 from uvshear.execution.threads import Threads
 
 
 @dataclass(frozen=True)
 class Processes(Executor):
-    """Distributes tasks over ``count`` processes; what shares memory runs in as many threads."""
+    """Distributes tasks over ``count`` processes; tasks that share memory run in as many threads."""
 
     count: int
 
@@ -49,7 +50,7 @@ class Processes(Executor):
             initializer=_begin,
             initargs=(function, shared),
         ) as pool:
-            yield from pool.map(_work, tasks)
+            yield from ordered_results(pool, self.count, _work, tasks)
 
 
 _job: list[Callable[[Any], Any]] = []
@@ -60,5 +61,5 @@ def _begin(function: Callable[[Any, Any], Any], shared: object) -> None:
     _job[:] = [partial(function, shared)]
 
 
-def _work(task: object) -> object:
+def _work(task: Any) -> Any:
     return _job[0](task)

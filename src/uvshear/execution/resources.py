@@ -1,4 +1,4 @@
-"""What a computation may use of a machine."""
+"""Workers and memory that a computation may use."""
 
 import os
 from dataclasses import dataclass, field
@@ -15,14 +15,15 @@ def half_of_memory() -> float:
 
 @dataclass(frozen=True)
 class Resources:
-    """Workers and memory. Results do not depend on them.
+    """Workers and memory that a computation may use. Results do not depend on them.
 
     Parameters
     ----------
     executor
-        Runs what can be done side by side; threads on all cores unless given.
+        Executor of everything that can be done in parallel; threads on all cores unless given.
     memory
-        Bytes that may be taken to keep what would be worked out again; half of the machine's memory unless given.
+        Memory for intermediate results that would otherwise be computed again [bytes]; half of the machine's memory
+        unless given.
     """
 
     executor: Executor = field(default_factory=in_threads)
@@ -30,4 +31,4 @@ class Resources:
 
     def __post_init__(self) -> None:
         if not self.memory > 0:
-            raise InputError(f"memory of {self.memory:g} bytes; more than 0 are needed")
+            raise InputError(f"memory of {self.memory:g} bytes; a positive number is needed")

@@ -8,7 +8,7 @@ from uvshear.execution.executor import Executor, Result, Shared, Task
 
 @dataclass(frozen=True)
 class Serial(Executor):
-    """Runs every task in the thread that asks for it."""
+    """Runs every task in the thread that asks for its result."""
 
     @property
     def workers(self) -> int:
@@ -20,7 +20,7 @@ class Serial(Executor):
         return self
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
-        """Yield the results one by one, each worked out when it is asked for."""
+        """Yield the results one by one, each computed when it is asked for."""
         return map(function, tasks)
 
     def distribute(
@@ -29,5 +29,5 @@ class Serial(Executor):
         shared: Shared,
         tasks: Iterable[Task],
     ) -> Iterator[Result]:
-        """Yield the results one by one, each worked out when it is asked for."""
+        """Yield the results one by one, each computed when it is asked for."""
         return (function(shared, task) for task in tasks)

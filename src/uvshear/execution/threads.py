@@ -1,14 +1,13 @@
-"""Tasks side by side in threads of this process."""
+"""Tasks in parallel threads of this process."""
 
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from itertools import islice
 
 from uvshear.errors import InputError
 from uvshear.execution.executor import Executor, Result, Shared, Task
+from uvshear.execution.ordered import ordered_results
 
 
 @dataclass(frozen=True)
@@ -31,16 +30,9 @@ class Threads(Executor):
         return Threads(max(1, min(self.count, workers)))
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
-        """Yield the results; at most one task more than there are threads is begun ahead."""
-        waiting = iter(tasks)
+        """Yield the results; at most one task more than there are threads is begun ahead of them."""
         with ThreadPoolExecutor(self.count) as pool:
-            begun: deque[Future[Result]] = deque(
-                pool.submit(function, task) for task in islice(waiting, self.count + 1)
-            )
-            while begun:
-                result = begun.popleft().result()
-                begun.extend(pool.submit(function, task) for task in islice(waiting, 1))
-                yield result
+            yield from ordered_results(pool, self.count, function, tasks)
 
     def distribute(
         self,

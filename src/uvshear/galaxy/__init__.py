@@ -1,9 +1,9 @@
-"""Galaxies: their parameters, their profiles, and what is known of them before they are measured.
+"""Galaxies: their parameters, their brightness profiles, and the priors of these.
 
-``Galaxies`` is the container that the rest of the package passes round. A profile of your own is a subclass of
-``Profile`` that defines ``envelope``, as ``exponential`` does; ``registry`` finds it by name. A prior of the
-ellipticity is a subclass of ``EllipticityPrior`` that defines ``relative_density``. ``flux`` and ``size`` hold the
-distributions of Rivi & Miller 2018, section 3.
+``Galaxies`` is the container that the rest of the package passes on. A profile is a subclass of ``Profile`` that
+defines ``envelope``, as in ``exponential``, and ``registry`` finds it by name; a prior of the ellipticity is a subclass
+of ``EllipticityPrior`` that defines ``relative_density``. ``flux`` and ``size`` hold the distributions of Rivi & Miller
+2018, section 3.
 """
 
 from uvshear.galaxy.ellipticity_prior import (

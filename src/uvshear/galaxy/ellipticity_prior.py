@@ -1,4 +1,4 @@
-"""How elliptical galaxies are: a density over the plane of e, the same in all directions."""
+"""Distribution of ellipticities: a density over the plane of e, the same in all directions."""
 
 import math
 from abc import ABC, abstractmethod
@@ -12,14 +12,15 @@ from uvshear.errors import InputError
 from uvshear.typing import Array, Complex, Float
 
 _NODES = 20_001
-"""Of the integrals over the modulus: trapezium, error below 1e-8 for either prior here."""
+"""Number of nodes of the integrals over the modulus. The error of the trapezoidal rule is below 1e-8 for both priors of
+this file."""
 
 
 class EllipticityPrior(ABC):
     r"""Isotropic prior of the complex ellipticity within the disc abs(e) < ``maximum``.
 
-    A prior of your own defines ``maximum`` and :meth:`relative_density`. Its normalisation is
-    found numerically, and the density per area of the plane of e follows:
+    A subclass defines ``maximum`` and :meth:`relative_density`. Its normalisation is found numerically, and the density
+    per area of the plane of e is
 
     .. math:: p(e) = \frac{P(|e|)}{2\pi |e|},\quad \int_0^{e_\mathrm{max}} P(r)\,dr = 1
     """
@@ -28,10 +29,10 @@ class EllipticityPrior(ABC):
 
     @abstractmethod
     def relative_density(self, modulus: Float[Array, "..."]) -> Float[Array, "..."]:
-        """Density per area at a modulus in [0, ``maximum``), times any constant."""
+        """Density per area at a modulus in [0, ``maximum``), up to a constant factor."""
 
     def log_density(self, e: Complex[Array, "..."]) -> Float[Array, "..."]:
-        """Log of the density per area of the plane of e, -inf outside the disc."""
+        """Logarithm of the density per area of the plane of e, -inf outside the disc."""
         modulus = np.abs(e)
         inside = modulus < self.maximum
         relative = self.relative_density(np.where(inside, modulus, 0.0))
@@ -45,14 +46,14 @@ class EllipticityPrior(ABC):
         return 2 * np.pi * r * self.relative_density(r) / self._integral
 
     def draw_modulus(self, number: int, rng: np.random.Generator) -> Float[Array, " source"]:
-        """Draw moduli, by the inverse of their cumulative distribution."""
+        """Draw moduli, using the inverse of their cumulative distribution."""
         r, mass = self._modulus_mass
         cumulative = cumulative_trapezoid(mass, r, initial=0) / self._integral
         return np.interp(rng.uniform(size=number), cumulative, r)
 
     @property
     def population_variance(self) -> float:
-        """Variance of one component of e, half the mean of its squared modulus."""
+        """Variance of each component of e, which is half the mean of its squared modulus."""
         r, mass = self._modulus_mass
         return float(trapezoid(r**2 * mass, r) / self._integral / 2)
 
@@ -70,14 +71,14 @@ class EllipticityPrior(ABC):
 
 @dataclass(frozen=True)
 class FlatEllipticityPrior(EllipticityPrior):
-    r"""Uniform over the disc, the default of the measurement.
+    r"""Uniform density over the disc, the default of the measurement.
 
     .. math:: p(e) = \frac{1}{\pi e_\mathrm{max}^2}
 
     Parameters
     ----------
     maximum
-        Bound of abs(e), below 1.
+        Upper bound of abs(e), below 1.
     """
 
     maximum: float = 0.95
@@ -86,13 +87,13 @@ class FlatEllipticityPrior(EllipticityPrior):
         _check_maximum(self.maximum)
 
     def relative_density(self, modulus: Float[Array, "..."]) -> Float[Array, "..."]:
-        """1 everywhere."""
+        """Return 1 everywhere."""
         return np.ones_like(modulus)
 
 
 @dataclass(frozen=True)
 class DiscEllipticityPrior(EllipticityPrior):
-    r"""Inclined discs of finite thickness, fitted to VLA-COSMOS.
+    r"""Density of inclined discs of finite thickness, fitted to galaxies of VLA-COSMOS.
 
     .. math::
         P(|e|) = \frac{N |e| \left(1 - \exp\left[(|e| - e_\mathrm{max})/c\right]\right)}
@@ -101,11 +102,11 @@ class DiscEllipticityPrior(EllipticityPrior):
     Parameters
     ----------
     c
-        Width of the cut at the maximum.
+        Width of the cut-off at the maximum.
     e0
-        Modulus at which the density turns over towards round discs.
+        Modulus below which the density flattens towards round discs.
     maximum
-        Bound of abs(e), where the density vanishes.
+        Upper bound of abs(e), where the density vanishes.
 
     References
     ----------
@@ -113,8 +114,8 @@ class DiscEllipticityPrior(EllipticityPrior):
 
     Notes
     -----
-    The paper prints N = 2.595 and no maximum. Its c and e0 give N = 2.5784 with Miller's 0.804 and
-    2.5944 with 0.8: the paper's normalisation belongs to a maximum of 0.8, or is 0.6 % off.
+    The paper gives N = 2.595 and no maximum. Its c and e0 give N = 2.5784 with Miller's maximum of 0.804 and 2.5944
+    with 0.8: the paper's normalisation belongs to a maximum of 0.8, or is 0.6 per cent off.
     """
 
     c: float = 0.2298
@@ -125,15 +126,15 @@ class DiscEllipticityPrior(EllipticityPrior):
         _check_maximum(self.maximum)
         if not (self.c > 0 and self.e0 > 0):
             raise InputError(
-                f"ellipticity prior: c is {self.c} and e0 {self.e0}; more than 0 is needed"
+                f"ellipticity prior: c is {self.c} and e0 is {self.e0}; both must be positive"
             )
 
     def relative_density(self, modulus: Float[Array, "..."]) -> Float[Array, "..."]:
-        """P(|e|) / |e| without its constants."""
+        """P(|e|) / |e| without its constant factors."""
         cut = -np.expm1((modulus - self.maximum) / self.c)
         return cut / ((1 + modulus) * np.sqrt(modulus**2 + self.e0**2))
 
 
 def _check_maximum(maximum: float) -> None:
     if not 0 < maximum < 1:
-        raise InputError(f"ellipticity prior: maximum is {maximum}; it lies between 0 and 1")
+        raise InputError(f"ellipticity prior: maximum is {maximum}; it must lie between 0 and 1")

@@ -9,7 +9,7 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class Exponential(Profile):
-    r"""Disc whose brightness falls as exp(-r/alpha).
+    r"""Disc with brightness proportional to exp(-r/alpha).
 
     .. math:: f(q) = (1 + q)^{-3/2},\quad f'(q) = -\tfrac{3}{2} (1 + q)^{-5/2}
 
@@ -19,10 +19,10 @@ class Exponential(Profile):
 
     Notes
     -----
-    ``galsim.Exponential(scale_radius=alpha/sqrt(1-|e|**2)).shear(g1=e1, g2=e2)`` is the same
-    galaxy: alpha is not the area-preserving radius, 1.678 of which holds half the light.
-    Lensing acts through ``add_shear`` and ``sheared_scale_length`` at unit magnification, as
-    GalSim's ``shear``; a magnification mu multiplies alpha by sqrt(mu) and the flux by mu besides.
+    ``galsim.Exponential(scale_radius=alpha/sqrt(1-|e|**2)).shear(g1=e1, g2=e2)`` is the same galaxy: alpha is not the
+    area-preserving radius, 1.678 times which holds half of the light. Lensing acts through ``add_shear`` and
+    ``sheared_scale_length`` at unit magnification, like ``shear`` of GalSim; a magnification mu also multiplies alpha
+    by sqrt(mu) and the flux by mu.
     """
 
     def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:

@@ -1,4 +1,4 @@
-"""The galaxies of a field: where they are, how bright, how large, which shape."""
+"""The galaxies of a field: their positions, fluxes, sizes and ellipticities."""
 
 from dataclasses import dataclass, replace
 from typing import Self
@@ -12,12 +12,12 @@ from uvshear.typing import Array, Complex, Float
 
 @dataclass(frozen=True)
 class Galaxies:
-    """Parameters of galaxies, one element each; conventions in docs/conventions.md.
+    """Parameters of galaxies, one element for each; docs/conventions.md has the conventions.
 
     Parameters
     ----------
     l, m
-        Direction cosines from the phase centre, to the East and to the North.
+        Direction cosines relative to the phase centre, to the East and to the North.
     flux
         Flux density at ``reference_frequency`` [Jy].
     scale_length
@@ -25,9 +25,9 @@ class Galaxies:
     ellipticity
         e = e1 + i e2, |e| = (a-b)/(a+b) < 1, in the (l, m) frame.
     spectral_index
-        beta in S proportional to frequency^beta.
+        Exponent beta of the flux density, S proportional to frequency^beta.
     reference_frequency
-        [Hz].
+        Frequency to which the flux densities refer [Hz].
     """
 
     l: Float[Array, " source"]
@@ -40,9 +40,11 @@ class Galaxies:
 
     def __post_init__(self) -> None:
         if np.any(np.abs(self.ellipticity) >= 1):
-            raise InputError("an ellipticity has |e| >= 1; (a-b)/(a+b) is below 1")
+            raise InputError("an ellipticity has |e| >= 1; |e| = (a-b)/(a+b) is always below 1")
         if np.any(self.scale_length < 0):
-            raise InputError("a scale length is negative")
+            raise InputError(
+                "a scale length is negative; it must be positive, or zero for a point source"
+            )
 
     def __len__(self) -> int:
         return len(self.l)

@@ -1,4 +1,4 @@
-"""The Gaussian, whose transform is one as well."""
+"""The Gaussian profile, whose Fourier transform is a Gaussian too."""
 
 from dataclasses import dataclass
 
@@ -9,14 +9,14 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class Gaussian(Profile):
-    r"""Brightness exp(-r^2 / (2 alpha^2)): the scale length is the circular galaxy's sigma.
+    r"""Gaussian with brightness proportional to exp(-r^2 / (2 alpha^2)): alpha is sigma of a round galaxy.
 
     .. math:: f(q) = e^{-q/2},\quad f'(q) = -\tfrac{1}{2} e^{-q/2}
 
     Notes
     -----
-    ``galsim.Gaussian(sigma=alpha/sqrt(1-|e|**2)).shear(g1=e1, g2=e2)`` is the same galaxy; lensing
-    acts on it as on :class:`~uvshear.galaxy.exponential.Exponential`, at unit magnification.
+    ``galsim.Gaussian(sigma=alpha/sqrt(1-|e|**2)).shear(g1=e1, g2=e2)`` is the same galaxy. Lensing at unit
+    magnification acts on it as on :class:`~uvshear.galaxy.exponential.Exponential`.
     """
 
     def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:

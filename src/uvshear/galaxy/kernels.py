@@ -1,6 +1,6 @@
-"""Envelopes and their slopes, compiled: one pass over q, in the precision of q.
+"""Compiled envelopes and their slopes: one pass over q each, in the precision of q.
 
-Constants are cast to the dtype of q, for a Python number would make float32 arithmetic float64.
+Constants are cast to the dtype of q, because a Python number would turn float32 arithmetic into float64.
 """
 
 import numpy as np
@@ -12,21 +12,21 @@ from uvshear.typing import Array
 @compiled
 def exponential_envelope(q: Array) -> Array:
     """(1+q)^(-3/2)."""
-    one = q.dtype.type(1)
+    unity = q.dtype.type(1)
     out = np.empty_like(q)
     for i in range(q.size):
-        s = one + q[i]
-        out[i] = one / (s * np.sqrt(s))
+        s = unity + q[i]
+        out[i] = unity / (s * np.sqrt(s))
     return out
 
 
 @compiled
 def exponential_slope(q: Array) -> Array:
     """-3/2 (1+q)^(-5/2)."""
-    one, factor = q.dtype.type(1), q.dtype.type(-1.5)
+    unity, factor = q.dtype.type(1), q.dtype.type(-1.5)
     out = np.empty_like(q)
     for i in range(q.size):
-        s = one + q[i]
+        s = unity + q[i]
         out[i] = factor / (s * s * np.sqrt(s))
     return out
 

@@ -1,4 +1,4 @@
-"""What every brightness profile offers: its Fourier transform as a function of one variable."""
+"""Protocol of brightness profiles: a Fourier transform as a function of one variable."""
 
 from abc import ABC, abstractmethod
 
@@ -8,22 +8,22 @@ from uvshear.typing import Array, Float
 
 
 class Profile(ABC):
-    r"""A galaxy with elliptical isophotes, of unit flux.
+    r"""Brightness profile of a galaxy of unit flux with elliptical isophotes.
 
     Its Fourier transform is real and depends on
 
     .. math:: q = 4\pi^2 \alpha^2 |A^{-T} k|^2,\quad k = (u, v)
 
-    alone (Rivi & Miller 2018, eq. 1 and 2), so a profile is one function of q. A profile of your own
-    defines :meth:`envelope`; any elementwise numpy expression will do.
+    alone (Rivi & Miller 2018, eq. 1 and 2), so that a profile is a function of q. A subclass defines :meth:`envelope`,
+    for which any elementwise numpy expression will do.
     """
 
     @abstractmethod
     def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
-        """Fourier transform at ``q`` >= 0; 1 at 0, of the dtype of ``q``."""
+        """Fourier transform at ``q`` >= 0, in the dtype of ``q``; its value at 0 is 1."""
 
     def envelope_slope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
-        """Return the envelope's derivative with respect to q; central differences unless overridden."""
+        """Differentiate the envelope with respect to q, by central differences unless a subclass knows better."""
         step = 1e-4 * (1 + q)
         ahead, behind = q + step, np.maximum(q - step, 0)
         return (self.envelope(ahead) - self.envelope(behind)) / (ahead - behind)

@@ -26,7 +26,9 @@ def profile_named(name: str) -> Profile:
     found: Any = PROFILES.find(name)
     profile = found() if callable(found) and not isinstance(found, Profile) else found
     if not isinstance(profile, Profile):
-        raise InputError(f"the profile '{name}' is no Profile but a {type(profile).__name__}")
+        raise InputError(
+            f"the profile '{name}' is not a Profile but has the type {type(profile).__name__}"
+        )
     return profile
 
 

@@ -1,4 +1,4 @@
-"""Galaxies that are not exponential discs: Sersic profiles, and a disc with a bulge."""
+"""Profiles other than the exponential disc: Sersic profiles, and a disc with a bulge."""
 
 import math
 from dataclasses import dataclass, field
@@ -15,44 +15,45 @@ from uvshear.typing import Array, Float
 HALF_LIGHT = 1.6783469900166605
 """Half-light radius of an exponential disc over its scale length."""
 
-_LARGEST = 1e5
-_SMALLEST = 1e-6
-_KNOTS = 500
-_NODES = 10_000
+_SMALLEST, _LARGEST = 1e-6, 1e5
+"""Limits of q between which the transform is tabulated on a logarithmic scale."""
+
+_KNOTS, _NODES = 500, 10_000
+"""Number of knots of the table, and of nodes of the Hankel transform at each knot."""
 
 
 @dataclass(frozen=True)
 class Sersic(Profile):
-    r"""Surface brightness exp(-b (r/r_h)^(1/n)), with the half-light radius of the disc of scale length alpha.
+    r"""Profile with brightness proportional to exp(-b (r/r_h)^(1/n)), r_h as for a disc of scale length alpha.
 
     Parameters
     ----------
     index
-        n: 1 is :class:`Exponential`, 0.5 a Gaussian; 0.5 to 4.
+        Sersic index n, from 0.5 (a Gaussian) to 4; n = 1 is :class:`Exponential`.
 
     Notes
     -----
-    Its Fourier transform has no closed form: it is tabulated once, to 1e-6 for q up to 1e5.
+    The Fourier transform has no closed form. It is tabulated once, with an error of 1e-6 for q up to 1e5.
     """
 
     index: float = 2.0
 
     def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
-        """Interpolated Hankel transform."""
+        """Fourier transform at ``q`` >= 0, interpolated from the table."""
         values = _table(self.index)(np.log1p(np.minimum(q, _LARGEST) / _SMALLEST))
         return values.astype(np.asarray(q).dtype, copy=False)
 
 
 @dataclass(frozen=True)
 class DiscBulge(Profile):
-    """Exponential disc with a de Vaucouleurs bulge in its middle, of the same ellipticity.
+    """Exponential disc with a de Vaucouleurs bulge at its centre, both of the same ellipticity.
 
     Parameters
     ----------
     fraction
-        Of the flux in the bulge.
+        Part of the flux that is in the bulge.
     ratio
-        Half-light radius of the bulge over the disc's.
+        Half-light radius of the bulge over that of the disc.
     """
 
     fraction: float = 0.2
@@ -61,16 +62,16 @@ class DiscBulge(Profile):
     _bulge: Profile = field(default_factory=lambda: Sersic(4.0))
 
     def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
-        """Sum of the two."""
+        """Fourier transform at ``q`` >= 0, the sum of those of disc and bulge."""
         bulge = self._bulge.envelope(np.asarray(q) * np.asarray(q).dtype.type(self.ratio**2))
         return (1 - self.fraction) * self._disc.envelope(q) + self.fraction * bulge
 
 
 @lru_cache(maxsize=16)
 def _table(index: float) -> CubicSpline:
-    """Spline of the transform over ln(1 + 1e6 q), q = (2 pi alpha k)^2 of a round galaxy."""
+    """Spline of the transform over ln(1 + 1e6 q), with q = (2 pi alpha k)^2 for a round galaxy."""
     b = float(gammaincinv(2 * index, 0.5))
-    # r/r_h = t^n makes the brightness exp(-b t); the integrand is smooth in sqrt(t) at the cusp.
+    # With r/r_h = t^n the brightness is exp(-b t), and the integrand is smooth in sqrt(t) at the cusp.
     nodes, weights = np.polynomial.legendre.leggauss(200)
     panels = _NODES // 200
     edges = np.linspace(0, 1, panels + 1)
@@ -83,5 +84,5 @@ def _table(index: float) -> CubicSpline:
     mass /= mass.sum()
     x = np.linspace(0, math.log1p(_LARGEST / _SMALLEST), _KNOTS)
     k = np.sqrt(_SMALLEST * np.expm1(x))
-    values = np.array([mass @ j0(one * radius) for one in k])
+    values = np.array([mass @ j0(wavenumber * radius) for wavenumber in k])
     return CubicSpline(x, values)

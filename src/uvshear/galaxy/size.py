@@ -1,4 +1,4 @@
-"""How large galaxies are: lognormal about a median that grows with the flux."""
+"""Distribution of scale lengths: lognormal about a median that may grow with the flux."""
 
 import math
 from abc import ABC, abstractmethod
@@ -14,7 +14,7 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class SizePrior:
-    r"""Lognormal prior of scale lengths, one element a source.
+    r"""Lognormal prior of scale lengths, one element for each source.
 
     .. math::
         p(\alpha) = \frac{1}{\sqrt{2\pi}\,\sigma\,\alpha}
@@ -23,7 +23,7 @@ class SizePrior:
     Parameters
     ----------
     log_median
-        mu, the mean of ln(alpha / rad).
+        Mean mu of ln(alpha / rad).
     sigma
         Standard deviation of ln(alpha).
     """
@@ -39,18 +39,18 @@ class SizePrior:
         return type(self)(self.log_median[index], self.sigma[index])
 
     def log_density(self, scale_length: Float[Array, "..."]) -> Float[Array, "..."]:
-        """Log of the density per radian at ``scale_length`` > 0, whose last axis is the source."""
+        """Logarithm of the density per radian at ``scale_length`` > 0, whose last axis is the source."""
         log = np.log(scale_length)
         pull = (log - self.log_median) / self.sigma
         return -(pull**2) / 2 - log - np.log(self.sigma) - math.log(2 * math.pi) / 2
 
     def draw(self, rng: np.random.Generator) -> Float[Array, " source"]:
-        """Draw one scale length a source [rad]."""
+        """Draw one scale length for each source [rad]."""
         return np.exp(self.log_median + self.sigma * rng.standard_normal(len(self)))
 
 
 class SizeModel(ABC):
-    """Where the prior on the scale length comes from."""
+    """Source of the prior of the scale lengths."""
 
     @abstractmethod
     def prior(
@@ -58,12 +58,18 @@ class SizeModel(ABC):
         flux: Float[Array, " source"],
         scale_length: Float[Array, " source"] | None = None,
     ) -> SizePrior:
-        """Prior of each source, given its flux at 1.4 GHz [Jy] and its size in the catalogue [rad]."""
+        """Prior of each source, given its flux at 1.4 GHz [Jy] and its scale length in the catalogue [rad]."""
 
 
 @dataclass(frozen=True)
 class CatalogueSize(SizeModel):
-    """Lognormal about the catalogue's own scale length, with a common scatter ``sigma`` of its logarithm."""
+    """Lognormal prior about the scale length in the catalogue.
+
+    Parameters
+    ----------
+    sigma
+        Standard deviation of ln(alpha), the same for all sources.
+    """
 
     sigma: float = 0.3136
 
@@ -72,10 +78,10 @@ class CatalogueSize(SizeModel):
         flux: Float[Array, " source"],
         scale_length: Float[Array, " source"] | None = None,
     ) -> SizePrior:
-        """Prior of each source's scale length about the catalogue's."""
+        """Prior of each source about its scale length in the catalogue."""
         if scale_length is None:
             raise InputError(
-                "the catalogue has no column 'scale_length' to take the size prior from"
+                "the catalogue has no column 'scale_length', from which the prior of the size is to be taken"
             )
         return SizePrior(np.log(scale_length), np.full(flux.shape, self.sigma))
 
@@ -89,14 +95,14 @@ class SizeFluxRelation(SizeModel):
     Parameters
     ----------
     intercept, slope
-        Of the line between ln(alpha / arcsec) and ln(S / uJy).
+        Coefficients of the line between ln(alpha / arcsec) and ln(S / uJy).
     sigma
-        Standard deviation of ln(alpha) at a flux.
+        Standard deviation of ln(alpha) at a given flux.
 
     References
     ----------
-    Rivi & Miller 2018, eq. 3 and section 3, which gives sigma "~ 0.3" (and calls it a variance);
-    0.3136 is the value of RadioLensfit2's ``default_params.h``.
+    Rivi & Miller 2018, eq. 3 and section 3, which gives sigma as "~ 0.3" (and calls it a variance); 0.3136 is the value
+    in ``default_params.h`` of RadioLensfit2.
     """
 
     intercept: float = -0.93
@@ -105,7 +111,7 @@ class SizeFluxRelation(SizeModel):
 
     def __post_init__(self) -> None:
         if not self.sigma > 0:
-            raise InputError(f"size-flux relation: sigma is {self.sigma}; more than 0 is needed")
+            raise InputError(f"size-flux relation: sigma is {self.sigma}; it must be positive")
 
     def log_median(self, flux: Float[Array, "..."]) -> Float[Array, "..."]:
         """Mean of ln(alpha / rad) at a flux [Jy]."""
@@ -120,11 +126,11 @@ class SizeFluxRelation(SizeModel):
         flux: Float[Array, " source"],
         scale_length: Float[Array, " source"] | None = None,
     ) -> SizePrior:
-        """Prior of each source's scale length at its flux [Jy], whatever size the catalogue has."""
+        """Prior of each source at its flux [Jy]; the scale length in the catalogue does not count."""
         return SizePrior(self.log_median(flux), np.full(flux.shape, self.sigma))
 
     def draw(
         self, flux: Float[Array, " source"], rng: np.random.Generator
     ) -> Float[Array, " source"]:
-        """Draw one scale length a flux [rad]."""
+        """Draw one scale length for each flux [rad]."""
         return self.prior(flux).draw(rng)

@@ -1,8 +1,8 @@
-"""Formulas of the sky that know no telescope and no galaxy.
+"""Geometry of the sky, independent of telescopes and galaxies.
 
-``directions`` turns right ascension and declination into direction cosines and back,
-``ellipticity`` holds what shear, rotation and a change of axes do to an ellipse. Everything here
-is a pure function of arrays; conventions in docs/conventions.md.
+``directions`` converts right ascension and declination to direction cosines and back; ``ellipticity`` holds the effects
+of shear, rotation and a change of axes on an ellipse. Everything here is a pure function of arrays; docs/conventions.md
+has the conventions.
 """
 
 from uvshear.geometry.directions import (

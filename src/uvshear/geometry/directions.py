@@ -10,14 +10,14 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class PhaseCentre:
-    """Direction of l = m = 0, ICRS [rad]."""
+    """Direction in which l = m = 0, ICRS [rad]."""
 
     ra: float
     dec: float
 
 
 def n_minus_one(l: Float[Array, "..."], m: Float[Array, "..."]) -> Float[Array, "..."]:
-    r"""Third direction cosine less one, without cancellation near the phase centre.
+    r"""Third direction cosine minus one, without cancellation near the phase centre.
 
     .. math:: n - 1 = -\frac{l^2 + m^2}{1 + \sqrt{1 - l^2 - m^2}}
 
@@ -43,16 +43,16 @@ def direction_cosines(
     Parameters
     ----------
     ra, dec
-        ICRS [rad]; right ascension in any turn.
+        Right ascension and declination, ICRS [rad]; right ascension may have any number of turns.
 
     Returns
     -------
-        l to the East, m to the North, and n towards the phase centre: negative for a direction more
-        than 90 degrees away, which l and m alone cannot tell from one in front.
+        l to the East, m to the North, and n towards the phase centre. n is negative for a direction more than 90
+        degrees away, which l and m alone do not distinguish from a direction in front.
 
     References
     ----------
-    Calabretta & Greisen 2002, A&A 395, 1077, orthographic (SIN) projection; tested with its WCSLIB.
+    Calabretta & Greisen 2002, A&A 395, 1077, orthographic (SIN) projection; tested against WCSLIB.
     """
     sin0, cos0 = math.sin(phase_centre.dec), math.cos(phase_centre.dec)
     sin, cos = np.sin(dec), np.cos(dec)
@@ -75,12 +75,12 @@ def equatorial(
     Parameters
     ----------
     l, m
-        Direction cosines on the phase centre's hemisphere, l^2 + m^2 <= 1.
+        Direction cosines within 90 degrees of the phase centre, l^2 + m^2 <= 1.
     """
     sin0, cos0 = math.sin(phase_centre.dec), math.cos(phase_centre.dec)
     n = 1 + n_minus_one(l, m)
     to_meridian = n * cos0 - m * sin0
-    # not an arcsin, which loses half its digits at a pole
+    # An arcsine would lose half of its digits at a pole.
     dec = np.arctan2(m * cos0 + n * sin0, np.hypot(l, to_meridian))
     return _one_turn(phase_centre.ra + np.arctan2(l, to_meridian)), dec
 
@@ -94,18 +94,18 @@ def local_north(
         \psi = \mathrm{atan2}(-l\,t,\ \cos\delta_0 - m\,t),\quad
         t = \frac{\sin\delta + \sin\delta_0}{1 + n}
 
-    This is North carried along the great circle to the phase centre: the rotation between the
-    (l, m) axes and local East and North, freed of the projection's foreshortening.
+    This is North carried along the great circle to the phase centre: the rotation between the (l, m) axes and local
+    East and North, without the foreshortening of the projection.
 
     Parameters
     ----------
     l, m
-        Direction cosines on the phase centre's hemisphere.
+        Direction cosines within 90 degrees of the phase centre.
 
     Notes
     -----
-    The projection (l, m) also compresses the sky by n along the radius, which adds an ellipticity
-    (n - 1)/(n + 1) along it: 3.7e-5 at 0.7 degrees. It is part of e in the (l, m) frame.
+    The projection (l, m) also compresses the sky by n along the radius, which adds an ellipticity (n - 1)/(n + 1) along
+    it: 3.7e-5 at 0.7 degrees. This is part of e in the (l, m) frame.
     """
     sin0, cos0 = math.sin(phase_centre.dec), math.cos(phase_centre.dec)
     n = 1 + n_minus_one(l, m)

@@ -1,7 +1,7 @@
-"""What shear, rotation and a change of axes do to an ellipse: e = e1 + i e2, |e| = (a-b)/(a+b) < 1.
+"""Effects of shear, rotation and a change of axes on an ellipse with e = e1 + i e2, |e| = (a-b)/(a+b) < 1.
 
-In the (l, m) frame e1 > 0 is long along l, e2 > 0 along l = m (docs/conventions.md). Elementwise
-formulas: any shapes that broadcast.
+In the (l, m) frame an ellipse with e1 > 0 is long along l, and one with e2 > 0 along l = m (docs/conventions.md). The
+formulas are elementwise; arrays may have any shapes that broadcast.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ def add_shear(
     e
         Intrinsic ellipticity.
     g
-        Reduced shear in the same axes, abs(g) < 1.
+        Reduced shear in the same frame, abs(g) < 1.
 
     References
     ----------
@@ -33,25 +33,25 @@ def add_shear(
 def sheared_scale_length(
     scale_length: Float[Array, "..."], e: Complex[Array, "..."], e_sheared: Complex[Array, "..."]
 ) -> Float[Array, "..."]:
-    r"""Scale length that goes with an ellipticity changed by shear.
+    r"""Scale length of a galaxy whose ellipticity a shear has changed.
 
     .. math:: \alpha' = \alpha \sqrt{\frac{1 - |e'|^2}{1 - |e|^2}}
 
-    The isophote of radius alpha has the area pi alpha^2 / (1 - abs(e)^2), the divisor being det A
-    of :func:`quadratic_form`, and a shear of unit magnification keeps it. Paper II leaves alpha as
-    it was, which is no linear map of the sky.
+    The isophote of radius alpha has the area pi alpha^2 / (1 - abs(e)^2), where the divisor is det A of
+    :func:`quadratic_form`, and a shear of unit magnification preserves areas. Rivi & Miller 2018 leave alpha unchanged,
+    which is not a linear map of the sky.
 
     Parameters
     ----------
     scale_length
         alpha at ellipticity ``e`` [rad].
     e, e_sheared
-        Ellipticity before and after, from :func:`add_shear`.
+        Ellipticity before the shear, and after it, from :func:`add_shear`.
 
     Notes
     -----
-    A lens of convergence kappa also magnifies, by mu = 1/((1-kappa)^2 (1-abs(g)^2)): multiply alpha
-    by sqrt(mu) and the flux by mu. Unit magnification is GalSim's ``shear``, mu its ``lens``.
+    A lens of convergence kappa also magnifies, by mu = 1/((1-kappa)^2 (1-abs(g)^2)), which multiplies alpha by sqrt(mu)
+    and the flux by mu. ``shear`` of GalSim has unit magnification, and ``lens`` has mu.
     """
     return scale_length * np.sqrt((1 - _square(e_sheared)) / (1 - _square(e)))
 
@@ -67,7 +67,7 @@ def quadratic_form(
         (a, b, c) &= \frac{\alpha^2}{(1-|e|^2)^2}
         \left(1 + |e|^2 + 2 e_1,\ 4 e_2,\ 1 + |e|^2 - 2 e_1\right)
 
-    A profile is a function of q, which is 4 pi^2 times this.
+    A profile is a function of q, which is 4 pi^2 times this form.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def quadratic_form(
 
 
 def quadratic_form_of(e: complex, scale_length: float) -> Float[Array, " 3"]:
-    """Coefficients (a, b, c) of :func:`quadratic_form` for one galaxy, a tenth of the time."""
+    """Coefficients (a, b, c) of :func:`quadratic_form` for one galaxy, in a tenth of the time."""
     square = e.real * e.real + e.imag * e.imag
     scale = (scale_length / (1 - square)) ** 2
     return np.array(
@@ -99,7 +99,7 @@ def quadratic_form_of(e: complex, scale_length: float) -> Float[Array, " 3"]:
 
 
 def quadratic_form_derivatives(e: complex, scale_length: float) -> Float[Array, "3 3"]:
-    """Differentiate one galaxy's (a, b, c) of :func:`quadratic_form` by e1, e2 and ln alpha, a row each [rad^2]."""
+    """Differentiate (a, b, c) of one galaxy with respect to e1, e2 and ln alpha, one row each [rad^2]."""
     e1, e2 = e.real, e.imag
     rest = 1 - e1 * e1 - e2 * e2
     scale = (scale_length / rest) ** 2
@@ -115,14 +115,16 @@ def quadratic_form_derivatives(e: complex, scale_length: float) -> Float[Array, 
 
 
 def rotate(e: Complex[Array, "..."], angle: float | Float[Array, "..."]) -> Complex[Array, "..."]:
-    r"""Ellipticity of a galaxy turned by an angle from l towards m.
+    r"""Ellipticity of a galaxy that is turned by an angle from l towards m.
 
     .. math:: e' = e\,e^{2 i \phi}
 
     Parameters
     ----------
+    e
+        Ellipticity before the rotation.
     angle
-        phi [rad].
+        Angle phi [rad].
     """
     return e * np.exp(2j * angle)
 
@@ -130,14 +132,14 @@ def rotate(e: Complex[Array, "..."], angle: float | Float[Array, "..."]) -> Comp
 def to_local_north(
     e: Complex[Array, "..."], psi: float | Float[Array, "..."]
 ) -> Complex[Array, "..."]:
-    r"""Ellipticity in the axes local East and local North of one in the (l, m) frame.
+    r"""Ellipticity relative to local East and local North, given that in the (l, m) frame.
 
     .. math:: e_\mathrm{local} = e\,e^{2 i \psi}
 
     Parameters
     ----------
     e
-        Ellipticity in the phase centre's (l, m) frame.
+        Ellipticity in the (l, m) frame of the phase centre.
     psi
         Angle of local North, from :func:`uvshear.geometry.directions.local_north` [rad].
     """
@@ -152,7 +154,7 @@ def position_angle(e_local: Complex[Array, "..."]) -> Float[Array, "..."]:
     Parameters
     ----------
     e_local
-        Ellipticity in local axes, from :func:`to_local_north`.
+        Ellipticity relative to local East and North, from :func:`to_local_north`.
     """
     return np.mod(np.pi / 2 - np.angle(e_local) / 2, np.pi)
 
@@ -160,15 +162,15 @@ def position_angle(e_local: Complex[Array, "..."]) -> Float[Array, "..."]:
 def lensing_components(
     e_local: Complex[Array, "..."],
 ) -> tuple[Float[Array, "..."], Float[Array, "..."]]:
-    """Components (g1, g2) in the (RA, Dec) convention of lensing catalogues and TreeCorr.
+    """Components (g1, g2) in the convention of lensing catalogues and TreeCorr for RA and Dec.
 
-    g1 = e1 and g2 = -e2: seen from inside the sphere East is to the left, which mirrors the
-    diagonals and leaves the axes (tested with TreeCorr 5.1).
+    g1 = e1 and g2 = -e2: seen from inside the sphere, East is to the left, which mirrors the diagonals and leaves the
+    axes (tested with TreeCorr 5.1).
 
     Parameters
     ----------
     e_local
-        Ellipticity (or shear) in local axes, from :func:`to_local_north`.
+        Ellipticity or shear relative to local East and North, from :func:`to_local_north`.
     """
     return e_local.real, -e_local.imag
 

@@ -1,4 +1,4 @@
-"""Sine and cosine of many turns, for compiled loops."""
+"""Sine and cosine of phases of many turns, for compiled loops."""
 
 import math
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from uvshear.compilation import inlined
 
-# Taylor series of sin and cos about 0, good to 4e-14 on [-pi/2, pi/2]; libm's would not vectorise.
+# Coefficients of the Taylor series of sine and cosine, whose error is 4e-14 on [-pi/2, pi/2]. Loops around them
+# vectorise, which those around the functions of the C library do not.
 _S3, _S5, _S7, _S9, _S11, _S13, _S15, _S17 = (
     (-1) ** k / math.factorial(2 * k + 1) for k in range(1, 9)
 )
@@ -14,7 +15,7 @@ _S3, _S5, _S7, _S9, _S11, _S13, _S15, _S17 = (
 
 @inlined
 def sine_cosine_of_turns(turns):  # type: ignore[no-untyped-def]
-    """Sine and cosine of 2 pi turns to 1e-13, without a branch, so that loops around it vectorise."""
+    """Sine and cosine of 2 pi turns to 1e-13, without a branch, so that loops around them vectorise."""
     # The reduction to one turn comes first and in float64: |turns| reaches 1e4.
     half = math.pi * (turns - np.rint(turns))
     z = half * half
@@ -49,7 +50,10 @@ def _cosine(z):  # type: ignore[no-untyped-def]
 
 @inlined
 def sine_cosine_of_turns_single(turns):  # type: ignore[no-untyped-def]
-    """Give the same to 2e-7, in single precision and half the time; turns are reduced in their own, float64."""
+    """Sine and cosine of 2 pi turns to 2e-7, in single precision and half the time.
+
+    The reduction to one turn is in the precision of the turns, which should be float64.
+    """
     half = np.float32(math.pi * (turns - np.rint(turns)))
     z = half * half
     s = half * (_F1 + z * (_F3 + z * (_F5 + z * (_F7 + z * (_F9 + z * _F11)))))

@@ -1,4 +1,4 @@
-"""Facets cut out of images: a square of pixels, Fourier transformed, folded to half of the uv plane."""
+"""Facets cut out of images: a square of pixels, its Fourier transform, and the half of the uv plane that is kept."""
 
 import math
 from dataclasses import dataclass
@@ -14,16 +14,16 @@ from uvshear.typing import Array, Complex, Float, Int
 
 @dataclass(frozen=True)
 class Cutout:
-    """A square of ``size`` pixels and the cells of its uv plane that are kept.
+    """A square of pixels and the cells of its uv plane that are kept.
 
     Parameters
     ----------
     size
-        Pixels to a side, a multiple of four.
+        Number of pixels along a side, a multiple of four.
     pixel
-        [rad].
+        Width of a pixel [rad].
     shortest, longest
-        Of the cells kept [wavelengths].
+        Limits of the distance of the cells from the origin [wavelengths].
     """
 
     size: int
@@ -57,12 +57,15 @@ class Cutout:
 
     @cached_property
     def _scale(self) -> Float[Array, " cell"]:
-        # The origin is the square's centre: a sign that alternates from cell to cell.
+        # With the origin at the centre of the square, the sign alternates from cell to cell.
         i, j = self.cells
         return (self.multiplicity * (-1.0) ** (i + j) / self.size**2).astype(np.float32)
 
     def transform(self, square: Float[Array, "l m"]) -> Complex[Array, " cell"]:
-        """Facet of a square of dirty image: conjugated, for there a source at x is exp(+2 pi i k.x)."""
+        """Facet of a square of a dirty image.
+
+        The transform is conjugated, because a source at x is exp(+2 pi i k.x) in a facet.
+        """
         paired = square.copy()
         paired[0, :] = paired[:, 0] = 0
         spectrum = fft.rfft2(paired, overwrite_x=True)
@@ -70,7 +73,7 @@ class Cutout:
 
     @cached_property
     def coarse_cells(self) -> tuple[Int[Array, " low"], Array, Array]:
-        """Cells that pixels twice as wide resolve, and their places in the transform of a square of these."""
+        """Cells that pixels twice as wide resolve, and their positions in the transform of a square of such pixels."""
         half = self.size // 2
         i, j = self.cells
         signed = np.where(i > self.size // 2, i - self.size, i)
@@ -80,7 +83,17 @@ class Cutout:
     def add_coarse(
         self, square: Float[Array, "l m"], factor: float, facet: Complex[Array, " cell"]
     ) -> None:
-        """Add ``factor`` times the transform of the same square in pixels twice as wide to the cells it resolves."""
+        """Add to a facet the transform of the same square on pixels twice as wide.
+
+        Parameters
+        ----------
+        square
+            Values of the coarse pixels.
+        factor
+            Factor by which the transform is multiplied.
+        facet
+            Facet that is added to, on the cells that the coarse pixels resolve.
+        """
         low, i, j = self.coarse_cells
         paired = square.copy()
         paired[0, :] = paired[:, 0] = 0
@@ -101,10 +114,10 @@ class Cutout:
 
 @lru_cache(maxsize=1024)
 def cutout(size: int, pixel: float, shortest: float, longest: float) -> Cutout:
-    """Return the same cutout for the same numbers: sources share their cells."""
+    """Return one cutout for the same numbers, so that sources share their cells."""
     return Cutout(size, pixel, shortest, longest)
 
 
 def cutout_size(width: float, pixel: float) -> int:
-    """Pixels to a side for a width [rad]: a multiple of four that is quick to transform at both pixels."""
+    """Find a number of pixels for a width [rad] that is quick to transform, on pixels twice as wide too."""
     return fast_size(max(width / pixel, 32), multiple=4)

@@ -1,4 +1,4 @@
-"""From coarse pixels to pixels half as wide."""
+"""Interpolation from coarse pixels to pixels half as wide."""
 
 import math
 from functools import lru_cache
@@ -10,15 +10,22 @@ from uvshear.imaging.tiles import TAPS
 from uvshear.typing import Array, Float
 
 _KAISER = 9.0
-"""Shape of the window: 2e-5 for images that oversample 1.6 times, with 16 taps."""
+"""Shape parameter of the window. With 16 taps, its error is 2e-5 for images that oversample 1.6 times."""
 
 
 def refined(
     coarse: Float[Array, "l m"], shift: tuple[int, int], size: int
 ) -> Float[Array, "fine_l fine_m"]:
-    """Interpolate a square of ``size`` fine pixels; its pixel 0 is ``shift`` fine pixels after coarse pixel 0.
+    """Interpolate a square of fine pixels by a windowed sinc.
 
-    A windowed sinc. The coarse image reaches ``TAPS`` coarse pixels beyond the square on every side.
+    Parameters
+    ----------
+    coarse
+        Image that reaches at least ``TAPS`` coarse pixels beyond the square on every side.
+    shift
+        Position of fine pixel 0 relative to coarse pixel 0 [fine pixels].
+    size
+        Number of fine pixels along a side.
     """
     along_l = _matrix(len(coarse), shift[0], size)
     along_m = _matrix(len(coarse), shift[1], size)
@@ -37,7 +44,7 @@ def _matrix(coarse: int, shift: int, fine: int) -> sparse.csr_matrix:
     rows = np.repeat(np.arange(fine), 2 * TAPS)
     inside = (taps >= 0) & (taps < coarse) & (values != 0)
     if not math.isclose(float(inside.sum()), float((values != 0).sum())):
-        raise ValueError("the coarse image does not cover the fine one and its margin")
+        raise ValueError("the coarse image does not cover the fine image and its margin")
     kept = inside.ravel()
     return sparse.csr_matrix(
         (values.ravel()[kept], (rows[kept], taps.ravel()[kept])), shape=(fine, coarse)

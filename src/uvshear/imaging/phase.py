@@ -1,4 +1,4 @@
-"""Visibilities as seen from a source: the phase centre moved there."""
+"""Visibilities as seen from a source, with the phase centre moved to it."""
 
 import numpy as np
 
@@ -15,7 +15,19 @@ def shift_phase_centre(
     l: float,
     m: float,
 ) -> Complex[Array, "row chan"]:
-    """Multiply by exp(-2 pi i (u l + v m + w (n-1))), in the dtype of ``vis``."""
+    """Multiply by exp(-2 pi i (u l + v m + w (n-1))), which moves the phase centre to (l, m).
+
+    Parameters
+    ----------
+    uvw
+        Baselines [m].
+    frequency
+        Channel centres [Hz].
+    vis
+        Visibilities, whose dtype the result has.
+    l, m
+        Direction cosines of the new phase centre.
+    """
     n1 = float(n_minus_one(np.array([l]), np.array([m]))[0])
     columns = np.ascontiguousarray(uvw.T, float)
     shifted = np.empty_like(vis)
@@ -30,7 +42,7 @@ def baselines_seen_from(uvw: Float[Array, "row 3"], l: float, m: float) -> Float
     r"""Baselines of the plane tangent at (l, m): u - w l/n, v - w m/n, w.
 
     With x the distance from (l, m) in direction cosines, w (n - 1) = w (n_s - 1) - w (l x_l + m x_m)/n_s
-    - w x^2/2 + ...: the second term is a shift of (u, v), 1 per cent at half a degree for SKA-Mid.
+    - w x^2/2 + ...: the second term is a shift of (u, v), which is 1 per cent at half a degree for SKA-Mid.
     """
     n = 1 + float(n_minus_one(np.array([l]), np.array([m]))[0])
     return np.column_stack(

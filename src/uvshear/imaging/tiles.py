@@ -1,7 +1,7 @@
-"""Tiles over the sky: each band has its own, those of a coarse band over several of the finer one.
+"""Tiles over the sky: each band has tiles of its own, and a tile of a coarse band covers several of the finer one.
 
-Pixels of all tiles lie on one lattice: pixel (i, j) of band b is at l = i 2^b p, m = j 2^b p, with p the pixel
-of band 0. A tile is imaged in the plane tangent at its centre, where its w is small.
+The pixels of all tiles lie on one lattice: pixel (i, j) of band b is at l = i 2^b p, m = j 2^b p, with p the pixel of
+band 0. A tile is imaged in the plane tangent at its centre, where w hardly matters.
 """
 
 import math
@@ -12,18 +12,29 @@ import numpy as np
 from uvshear.typing import Array, Float, Int
 
 CORE = 3072
-"""Pixels of the finest band that a tile covers besides its margins: fewer make margins cost, more make w cost."""
+"""Largest number of pixels of the finest band that a tile covers along a side, without its margins. With fewer, the
+margins cost time, and with more, w does."""
 
 TAPS = 8
-"""Coarse pixels that interpolation reaches beyond the tile it fills."""
+"""Number of coarse pixels beyond a tile that interpolation to its pixels needs."""
 
 
 @dataclass(frozen=True)
 class Tile:
-    """A square of pixels of band ``band``, the first of them at lattice point ``origin``.
+    """A square of pixels of one band.
 
-    ``members`` are the sources in it; ``parent`` is the place in the next coarser band's list of the tile that
-    covers it, -1 in the coarsest band.
+    Parameters
+    ----------
+    band
+        Number of the band, from the finest on.
+    origin
+        Lattice point of the first pixel.
+    size
+        Number of pixels along a side.
+    members
+        Sources in the tile.
+    parent
+        Index of the tile of the next coarser band that covers this one, -1 in the coarsest band.
     """
 
     band: int
@@ -33,21 +44,21 @@ class Tile:
     parent: int
 
     def centre(self, pixel: float) -> tuple[float, float]:
-        """Direction cosines of pixel (size/2, size/2)."""
+        """Direction cosines of pixel (size/2, size/2), for pixels of this width [rad]."""
         half = self.size // 2
         return (self.origin[0] + half) * pixel, (self.origin[1] + half) * pixel
 
 
 @dataclass(frozen=True)
 class Footprint:
-    """What tiles must hold of each source.
+    """Squares of sky, one for each source, that tiles must hold.
 
     Parameters
     ----------
     l, m
-        Direction cosines.
+        Direction cosines of the source.
     half_width
-        Of its facet [rad].
+        Half of the width of its facet [rad].
     """
 
     l: Float[Array, " source"]
@@ -56,7 +67,17 @@ class Footprint:
 
 
 def plan_tiles(footprint: Footprint, pixel: float, bands: int) -> tuple[tuple[Tile, ...], ...]:
-    """Tiles of each band, from the finest on; only places with sources have any."""
+    """Plan the tiles of each band, from the finest on; parts of the sky without sources have none.
+
+    Parameters
+    ----------
+    footprint
+        Squares of sky that the tiles must hold.
+    pixel
+        Width of the pixels of the finest band [rad].
+    bands
+        Number of bands.
+    """
     boxes = _boxes(footprint, pixel)
     plans: list[tuple[Tile, ...]] = []
     children: dict[tuple[int, int], list[Tile]] = {}
@@ -83,7 +104,7 @@ def plan_tiles(footprint: Footprint, pixel: float, bands: int) -> tuple[tuple[Ti
 
 
 def _boxes(footprint: Footprint, pixel: float) -> Int[Array, "source 2"]:
-    """Box of each source: the field in equal parts of at most ``CORE`` pixels."""
+    """Box of each source; the boxes divide the field into equal parts of at most ``CORE`` pixels."""
     lm = np.column_stack([footprint.l, footprint.m])
     low, extent = lm.min(axis=0), np.ptp(lm, axis=0)
     parts = np.maximum(1, np.ceil(extent / (CORE * pixel)))

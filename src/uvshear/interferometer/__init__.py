@@ -1,8 +1,8 @@
-"""The instrument: where its antennas stand, what they sample, and how noisily.
+"""The instrument: antennas, the baselines and channels that they sample, and the noise.
 
-``layout`` and ``coverage`` make baselines, ``spectral_window`` channels, ``noise`` their errors, ``stokes`` one
-Stokes I out of correlations. ``visibilities`` and ``facet`` are the containers that the rest of the package
-passes round.
+``layout`` and ``coverage`` make baselines, ``spectral_window`` channels, ``noise`` their errors, and ``stokes``
+combines correlations into Stokes I. ``visibilities`` and ``facet`` hold the containers that the rest of the package uses.
+``accumulate`` is a pass over the visibilities, and ``first_pass`` the one that comes before any measurement.
 """
 
 from uvshear.geometry.directions import PhaseCentre

@@ -60,11 +60,13 @@ def primary_beam_named(
     """
     make: BeamFactory = PRIMARY_BEAMS.find(name)
     if not callable(make):
-        raise InputError(f"the primary beam '{name}' is no function of diameters and pointing")
+        raise InputError(f"the primary beam '{name}' is not a function of diameters and pointing")
     known = np.nan_to_num(diameters() if callable(diameters) else diameters, nan=0.0)
     beam = make(known, pointing)
     if not isinstance(beam, Attenuation):
-        raise InputError(f"the primary beam '{name}' is no Attenuation but a {type(beam).__name__}")
+        raise InputError(
+            f"the primary beam '{name}' is not an Attenuation but has the type {type(beam).__name__}"
+        )
     return beam
 
 

@@ -1,4 +1,4 @@
-"""Earth-rotation synthesis: the baselines of an array, hour angle by hour angle."""
+"""Earth-rotation synthesis: the baselines of an array at each hour angle."""
 
 import math
 from dataclasses import dataclass, replace
@@ -13,30 +13,30 @@ from uvshear.interferometer.layout import ArrayLayout
 from uvshear.typing import Array, Float, Int
 
 EARTH_ROTATION: Final = 2 * math.pi * 1.00273790935 / 86400
-"""Rate at which hour angles grow [rad/s of UT1]: 0.27 % faster than 15 degrees an hour."""
+"""Rate at which hour angles grow [rad/s of UT1], 0.27 % faster than 15 degrees per hour."""
 
 J2000: Final = 51544.5 * 86400
 """2000 January 1, 12 h [MJD s]."""
 
 SIDEREAL_TIME_AT_J2000: Final = math.radians(280.46061837)
-"""Greenwich mean sidereal time then [rad] (Meeus, Astronomical Algorithms, eq. 12.4)."""
+"""Greenwich mean sidereal time at J2000 [rad] (Meeus, Astronomical Algorithms, eq. 12.4)."""
 
 
 @dataclass(frozen=True)
 class Track:
-    """When a direction is observed.
+    """Times at which a direction is observed.
 
     Parameters
     ----------
     phase_centre
         Direction that the array follows.
     hour_angles
-        Ranges (start, stop) of hour angle at the array's longitude [rad], in any order, without
-        overlap. Each holds as many whole integrations as fit, centred on its middle; at least one.
+        Ranges (start, stop) of hour angle at the array's longitude [rad], in any order, without overlap. Each holds as
+        many whole integrations as fit, but at least one, centred on its middle.
     integration
         Length of a sample [s].
     elevation_limit
-        Samples below it are left out [rad]; None keeps all of them, also below the horizon.
+        Elevation below which samples are left out [rad]; None keeps all samples, even below the horizon.
     """
 
     phase_centre: PhaseCentre
@@ -72,7 +72,7 @@ class Track:
         integration: float,
         elevation_limit: float | None = None,
     ) -> Self:
-        """Take ranges in seconds of clock from transit: 8 h hold exactly 480 samples of 60 s."""
+        """Take ranges in seconds of clock time from transit: 8 h hold exactly 480 samples of 60 s."""
         hour_angles = tuple(
             (start * EARTH_ROTATION, stop * EARTH_ROTATION) for start, stop in ranges
         )
@@ -89,7 +89,7 @@ class Track:
 
 @dataclass(frozen=True)
 class Coverage:
-    """Every baseline at every sample, in order of time.
+    """All baselines at all times, in order of time.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class Coverage:
 
 
 def synthesise(layout: ArrayLayout, track: Track) -> Coverage:
-    r"""Let the Earth turn an array under a direction.
+    r"""Let the Earth turn an array below a direction.
 
     With H the hour angle at Greenwich (the local one less the longitude), delta the declination:
 
@@ -168,15 +168,15 @@ def synthesise(layout: ArrayLayout, track: Track) -> Coverage:
 def antenna_uvw(
     positions: Float[Array, "antenna 3"], greenwich_hour_angle: Float[Array, " sample"], dec: float
 ) -> Float[Array, "sample antenna 3"]:
-    """Resolve positions along East, North and source, as in :func:`synthesise`."""
+    """Project positions on the axes East, North and towards the source, as in :func:`synthesise`."""
     sin_h, cos_h = np.sin(greenwich_hour_angle), np.cos(greenwich_hour_angle)
     sin_d, cos_d = math.sin(dec), math.cos(dec)
-    zero, one = np.zeros_like(sin_h), np.ones_like(sin_h)
+    zeros, ones = np.zeros_like(sin_h), np.ones_like(sin_h)
     axes = np.array(
         [
-            [sin_h, cos_h, zero],
-            [-sin_d * cos_h, sin_d * sin_h, cos_d * one],
-            [cos_d * cos_h, -cos_d * sin_h, sin_d * one],
+            [sin_h, cos_h, zeros],
+            [-sin_d * cos_h, sin_d * sin_h, cos_d * ones],
+            [cos_d * cos_h, -cos_d * sin_h, sin_d * ones],
         ]
     )
     return np.einsum("ijt,aj->tai", axes, positions)
@@ -185,7 +185,7 @@ def antenna_uvw(
 def elevation(
     latitude: float, dec: float, hour_angle: Float[Array, " sample"]
 ) -> Float[Array, " sample"]:
-    r"""Height above the horizon [rad].
+    r"""Elevation above the horizon [rad].
 
     .. math:: \sin h = \sin\phi\sin\delta + \cos\phi\cos\delta\cos H
     """

@@ -1,4 +1,4 @@
-"""What a fit needs of the visibilities around one direction."""
+"""Facets: the visibilities around one direction, reduced to what a fit needs."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -30,18 +30,18 @@ class Facet:
     power: Float[Array, " cell"]
 
     def within(self, longest: float) -> Self:
-        """Return the cells no further from the origin than ``longest`` [wavelengths]."""
+        """Return the cells whose distance from the origin is at most ``longest`` [wavelengths]."""
         near = np.hypot(*self.uv.T) <= longest
         return type(self)(self.uv[near], self.correlation[near], self.power[near])
 
     def in_other_unit(self, unit: float) -> Self:
-        """Return the same with fluxes in units of ``unit`` of the present ones."""
+        """Return the same facet with fluxes in units that are ``unit`` times the present ones."""
         return type(self)(self.uv, self.correlation * unit, self.power * unit**2)
 
     def beam_shape(self) -> tuple[float, tuple[float, ...]]:
-        """Sum of the power, and second moments that tell its shape: facets of one beam and cells share them.
+        """Sum of the power, and second moments of its shape, which facets of the same beam and cells share.
 
-        The shape does not know the unit of the flux, the sum goes with its square.
+        The shape does not depend on the unit of the flux; the sum scales with its square.
         """
         power = np.abs(self.power).astype(float)
         total = float(power.sum())
@@ -52,7 +52,7 @@ class Facet:
 
 @dataclass(frozen=True)
 class BeamPlane:
-    """Cells of half of the uv plane with the power of a beam, fine enough for sources some way apart.
+    """Cells of half of the uv plane with the power of a beam, fine enough for sources at some distance from each other.
 
     Parameters
     ----------

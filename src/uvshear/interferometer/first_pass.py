@@ -15,7 +15,7 @@ from uvshear.interferometer.visibilities import Observation
 
 @dataclass(frozen=True)
 class FirstPass:
-    """What the first pass has gathered.
+    """Results of the first pass.
 
     Parameters
     ----------

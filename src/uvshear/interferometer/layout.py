@@ -1,4 +1,4 @@
-"""Where the antennas of an array stand: arrays that come with the package, or your own."""
+"""Positions of the antennas of an array: arrays that come with the package, or your own."""
 
 import math
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ STAGE_COLUMN: Final = MappingProxyType({"AA1": 9, "AA2": 10, "AAstar": 11})
 """Column, counted from 0, of a stage's membership flag in ska-mid.txt."""
 
 MEERKAT_DISHES: Final = 64
-"""The first dishes of ska-mid.txt, M000 to M063."""
+"""Number of MeerKAT's dishes, M000 to M063, which are the first in ska-mid.txt."""
 
 EARTH_RADIUS_RANGE: Final = (6.33e6, 6.40e6)
 """Distances from the Earth's centre at which an antenna can stand [m]."""
@@ -43,15 +43,15 @@ class ArrayLayout:
     Parameters
     ----------
     name
-        Of the array.
+        Name of the array.
     antenna_names
-        One for each antenna.
+        Name of each antenna.
     positions
         Geocentric ITRF X, Y, Z [m].
     diameters
-        Of the dishes [m]; NaN where the file does not say.
+        Diameters of the dishes [m]; NaN where the file does not give them.
     source
-        Where the positions come from.
+        Reference for the positions.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Thermal noise of the correlations, from the dishes' sensitivity or given outright."""
+"""Thermal noise of the correlations, from the dishes' sensitivity or as a given number."""
 
 import math
 from abc import ABC, abstractmethod
@@ -26,14 +26,14 @@ class Noise(ABC):
 
 @dataclass(frozen=True)
 class RadiometerNoise(Noise):
-    """Noise by the dishes' sensitivity; what it belongs to is for the subclass to say.
+    """Noise from the dishes' sensitivity; subclasses say whether it belongs to a correlation or to Stokes I.
 
     Parameters
     ----------
     sefd
-        Of a dish, or of each kind of dish by diameter.
+        System equivalent flux density of a dish, or of each kind of dish by diameter.
     efficiency
-        eta of the system, 0 to 1.
+        Efficiency eta of the system, 0 to 1.
     """
 
     sefd: Sefd

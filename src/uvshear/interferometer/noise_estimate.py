@@ -47,7 +47,7 @@ class NoiseRatioAccumulator(Accumulator[float | None]):
 
     @property
     def is_satisfied(self) -> bool:
-        """Whether there are enough pairs of one kind."""
+        """Whether there are enough pairs between channels, or between integrations."""
         return max(self._pairs) >= MOST_PAIRS
 
     def add(self, seen: Visibilities) -> None:

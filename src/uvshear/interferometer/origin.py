@@ -1,7 +1,7 @@
-"""Where the visibilities of an observation come from: optional members of observations, and their defaults.
+"""Origin of the visibilities of an observation: optional members of observations, and their defaults.
 
-An observation needs a phase centre and chunks. One that is read in parts, for example several files, also has
-``parts``; one that changes the weights of another has ``origin``, as has one that was opened from a file.
+An observation needs a phase centre and chunks. An observation of several parts, for example files, also has ``parts``;
+an observation that was opened from a file, or that changes the weights of another, has ``origin``.
 """
 
 from dataclasses import dataclass

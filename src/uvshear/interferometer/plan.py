@@ -1,4 +1,4 @@
-"""An observation before it is made."""
+"""Plan of a simulated observation."""
 
 from dataclasses import dataclass
 
@@ -10,15 +10,21 @@ from uvshear.interferometer.spectral_window import Channels
 
 @dataclass(frozen=True)
 class ObservingPlan:
-    """Which array follows which direction for how long, in which channels.
+    """Array, direction, time and channels of an observation to simulate.
 
     Parameters
     ----------
+    layout
+        Antennas.
+    track
+        Phase centre and times.
+    channels
+        Frequencies.
     is_averaged
-        Over channels and integrations, as a correlator does; else samples are of one frequency and moment, as the
-        paper's.
+        Whether samples are averages over channels and integrations, as a correlator makes them; else they are taken
+        at one frequency and time, as in Rivi & Miller 2018.
     primary_beam
-        Of the dishes (``interferometer.primary_beam``); none unless given.
+        Primary beam of the dishes (``interferometer.primary_beam``); none unless given.
     """
 
     layout: ArrayLayout

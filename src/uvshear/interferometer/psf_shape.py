@@ -1,4 +1,4 @@
-"""Ellipticity and size of a point spread function: from its quadrupole moments, and of its main lobe."""
+"""Ellipticity and size of a point spread function, from its quadrupole moments and from its main lobe."""
 
 import math
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ WEIGHT_SIGMA: Final = 3 * ARCSEC
 MOST_ROUNDS: Final = 500
 
 FEWEST_PIXELS: Final = 9
-"""Of a main lobe that can be fitted."""
+"""Least number of pixels of a main lobe that can be fitted."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class PsfShape:
     size
         R = Q_ll + Q_mm [rad^2].
     weight_sigma
-        Of the Gaussian weight, det(covariance)^(1/4) [rad].
+        Width of the Gaussian weight, det(covariance)^(1/4) [rad].
     """
 
     ellipticity: complex
@@ -43,7 +43,7 @@ class PsfShape:
 def measure_psf(
     image: Float[Array, "l m"], pixel: float, weight_sigma: float = WEIGHT_SIGMA
 ) -> PsfShape:
-    r"""Shape from quadrupole moments under a Gaussian weight of the PSF's own ellipticity.
+    r"""Measure quadrupole moments under a Gaussian weight of the PSF's own ellipticity.
 
     .. math::
         Q_{ij} &= \frac{\sum I W x_i x_j}{\sum I W},\quad
@@ -56,9 +56,9 @@ def measure_psf(
     image
         Centred: ``image[i, j]`` at l = (i - size/2) pixel, m = (j - size/2) pixel.
     pixel
-        [rad].
+        Width of a pixel [rad].
     weight_sigma
-        sigma [rad].
+        Width sigma of the weight [rad].
 
     References
     ----------
@@ -67,8 +67,8 @@ def measure_psf(
 
     Notes
     -----
-    The weight's area is fixed: that of an interferometer's natural PSF does not converge, as its
-    plateau is wider than any weight.
+    The weight's area is fixed: if it were adapted as well, it would not converge for the natural PSF of an
+    interferometer, whose plateau is wider than any weight.
     """
     offset = (np.arange(len(image)) - len(image) // 2) * pixel
     l, m = offset[:, None], offset[None, :]
@@ -118,7 +118,7 @@ def fit_main_lobe(image: Float[Array, "l m"], pixel: float) -> MainLobe:
     Parameters
     ----------
     image
-        As in :func:`measure_psf`, 1 at its centre.
+        Image as in :func:`measure_psf`, 1 at its centre.
     """
     centre = len(image) // 2
     regions, _ = label(image > 0.5)
@@ -134,7 +134,7 @@ def fit_main_lobe(image: Float[Array, "l m"], pixel: float) -> MainLobe:
         is_there = form[0] > 0 and form[0] * form[2] > (1 + 1e-9) * form[1] ** 2
     if not is_there:
         raise InputError(
-            f"the main lobe of the PSF is not in an image of {len(image)} pixels of {pixel / ARCSEC:g} arcsec;"
+            f"the main lobe of the PSF does not fit into an image of {len(image)} pixels of {pixel / ARCSEC:g} arcsec;"
             " other pixels or a wider weight are needed"
         )
     covariance = np.linalg.inv(2 * form[[0, 1, 1, 2]].reshape(2, 2)) * pixel**2

@@ -50,22 +50,26 @@ class RangesAccumulator(Accumulator[ObservationRanges]):
             return
         if (taken := seen.integrations) is not None:
             half = taken.interval / 2
-            self._widen("time", np.stack([taken.time - half, taken.time + half]))
-            self._widen("interval", taken.interval)
+            self._widen("time", _ends(np.stack([taken.time - half, taken.time + half])))
+            self._widen("interval", _ends(taken.interval))
         if (used := seen.weights > 0).any():
             per_metre = seen.frequency / SPEED_OF_LIGHT
-            self._widen("uv_distance", seen.uv_distance[used])
-            self._widen("baseline", (seen.uv_distance / per_metre)[used])
+            self._widen("uv_distance", _ends(seen.uv_distance[used]))
+            self._widen("baseline", _ends((seen.uv_distance / per_metre)[used]))
 
     def merge(self, later: Self) -> None:
         """Take in the ranges of later visibilities."""
         for name, ends in later._ranges.items():
-            self._widen(name, np.array(ends))
+            self._widen(name, ends)
 
     def result(self) -> ObservationRanges:
         """Return the ranges."""
         return ObservationRanges(**self._ranges)
 
-    def _widen(self, name: str, values: Float[Array, "..."]) -> None:
+    def _widen(self, name: str, ends: Range) -> None:
         low, high = self._ranges[name]
-        self._ranges[name] = min(low, float(values.min())), max(high, float(values.max()))
+        self._ranges[name] = min(low, ends[0]), max(high, ends[1])
+
+
+def _ends(values: Float[Array, "..."]) -> Range:
+    return float(values.min()), float(values.max())

@@ -1,4 +1,4 @@
-"""How many samples were read, and why some of them take no part in a measurement."""
+"""Numbers of samples that were read, and reasons why some of them take no part in a measurement."""
 
 from dataclasses import dataclass, fields
 from typing import Self

@@ -11,7 +11,7 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class Channels:
-    """Frequencies that a block of rows shares.
+    """Channels that the rows of a block share.
 
     Parameters
     ----------

@@ -32,13 +32,13 @@ class StokesI:
     Parameters
     ----------
     visibilities
-        [Jy]; 0 where the weight is 0.
+        Stokes I [Jy]; 0 where the weight is 0.
     weights
-        1/sigma^2, sigma of one real component [Jy^-2]; 0 where flagged or unusable.
+        1/sigma^2, with sigma the deviation of one real component [Jy^-2]; 0 where flagged or unusable.
     non_finite
-        Unflagged samples with a NaN or an infinity in the data or weights of a hand.
+        Number of unflagged samples with a NaN or an infinity in the data or weights of a hand.
     non_positive
-        Unflagged samples, finite, with a zero or negative weight in a hand.
+        Number of unflagged finite samples with a zero or negative weight in a hand.
     """
 
     visibilities: Complex[Array, "row chan"]
@@ -48,7 +48,7 @@ class StokesI:
 
 
 def parallel_hands(correlation_types: Sequence[int]) -> tuple[int, ...]:
-    """Find the correlations that make Stokes I: itself, two parallel hands, or one of them."""
+    """Find the correlations that make Stokes I: Stokes I itself, two parallel hands, or one of them."""
     types = list(correlation_types)
     if STOKES_I in types:
         return (types.index(STOKES_I),)
@@ -71,7 +71,7 @@ def stokes_i(
 
     .. math:: I = (p + q)/2, \qquad w_I = \frac{4}{1/w_p + 1/w_q}
 
-    A single hand stands for Stokes I as it is. One hand flagged or unusable flags the visibility.
+    A single hand is taken for Stokes I. A visibility is left out if one of its hands is flagged or unusable.
     """
     flagged = flags[..., 0]
     finite = np.isfinite(correlations[..., 0]) & np.isfinite(weights[..., 0])

@@ -1,4 +1,4 @@
-"""What one reading of an observation tells before anything is measured."""
+"""Summary of an observation from one reading, before anything is measured."""
 
 from dataclasses import dataclass
 from typing import Self

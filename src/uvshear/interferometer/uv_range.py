@@ -1,16 +1,16 @@
-"""Lengths of baselines that take part."""
+"""Range of the baselines that are used."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class UvRange:
-    """Baseline lengths that take part in the shape [wavelengths]."""
+    """Lengths of the baselines that shapes are measured from [wavelengths]."""
 
     minimum: float = 0.0
     maximum: float = float("inf")
 
     @property
     def is_everything(self) -> bool:
-        """Whether nothing is cut."""
+        """Whether all baselines are used."""
         return self.minimum <= 0 and self.maximum == float("inf")

@@ -1,6 +1,7 @@
-"""The only readers and writers: whatever enters or leaves is checked and converted here.
+"""Readers and writers: everything that enters or leaves the package is checked and converted here.
 
-``catalogue`` and ``shapes`` are the tables of users, ``measurement_set`` and
-``measurement_set_writer`` the visibilities. ``columns`` checks a user's column, ``tables`` knows
-formats, ``provenance`` tells how a file was made, ``outputs`` writes it whole or not at all.
+``catalogue`` and ``shapes`` hold the tables of users. ``observations`` opens visibilities, with the reader of their
+format from ``readers``; ``measurement_set`` is the package's own, and ``measurement_set_writer`` writes simulations.
+``columns`` checks the columns of a table, ``tables`` knows its formats, ``provenance`` records the command that made a
+file, and ``outputs`` writes files completely or not at all.
 """

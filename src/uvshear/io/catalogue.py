@@ -365,11 +365,11 @@ def catalogue_table(catalogue: Catalogue, provenance: Mapping[str, str] | None =
 
 
 def write_catalogue(
-    path: Path,
+    path: Path | str,
     catalogue: Catalogue,
     provenance: Mapping[str, str] | None = None,
     *,
     overwrite: bool = False,
 ) -> None:
     """Write a catalogue as ECSV, FITS or VOTable, by extension."""
-    write_table(path, catalogue_table(catalogue, provenance), overwrite=overwrite)
+    write_table(Path(path), catalogue_table(catalogue, provenance), overwrite=overwrite)

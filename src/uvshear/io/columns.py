@@ -1,4 +1,4 @@
-"""Columns of a user's table, in SI, with errors that say which column and which row."""
+"""Columns of a user's table, in SI, with errors that name the column and the row."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from uvshear.typing import Array, Bool, Float, Shaped
 
 
 class Columns:
-    """Columns of a table found by name whatever the case, in SI, with errors that say where."""
+    """Columns of a table, found by name in upper or lower case."""
 
     def __init__(self, table: Table, name: str) -> None:
         self.table = Table(table, copy=False)  # a QTable's quantities become columns
@@ -28,11 +28,11 @@ class Columns:
         return {str(key).lower(): value for key, value in self.table.meta.items()}
 
     def has(self, column: str) -> bool:
-        """Tell whether the table has it, under any of its spellings."""
+        """Tell whether the table has the column, in upper or lower case."""
         return column in self._spelling
 
     def words(self, column: str) -> Shaped[Array, " source"]:
-        """Text in lower case, without blanks around it; empty where the table has nothing."""
+        """Text in lower case, without blanks around it; empty where the table has no value."""
         values: Array = np.ma.filled(
             np.ma.asarray(self.table[self._spelling[column]], dtype=str), ""
         )
@@ -47,7 +47,7 @@ class Columns:
         assumed: units.UnitBase | None = None,
         needs_unit: bool = False,
     ) -> Float[Array, " source"]:
-        """Finite numbers in ``unit``; ``given`` and ``assumed`` serve a column without a unit."""
+        """Finite numbers in ``unit``; a column without a unit has the ``given`` one, or else the ``assumed`` one."""
         if not self.has(column):
             raise InputError(
                 f"{self.name}: has no column '{column}' (it has {', '.join(self.names)})"
@@ -63,7 +63,7 @@ class Columns:
             ) from error
         if plain.ndim != 1:
             raise InputError(
-                f"{self.name}: column '{column}' holds arrays; one number a row is needed"
+                f"{self.name}: column '{column}' holds arrays; one number for each row is needed"
             )
         plain = plain * self._factor(column, values, unit, given, assumed, needs_unit)
         self.require(column, np.isfinite(plain), "a finite number is needed", plain)
@@ -72,7 +72,7 @@ class Columns:
     def error(
         self, column: str, unit: units.UnitBase, *, assumed: units.UnitBase
     ) -> Float[Array, " source"]:
-        """Errors in ``unit``; 0 where a finder gives none, or a number that says so (-1)."""
+        """Errors in ``unit``; 0 where a source finder gives none, or a number that stands for none (-1)."""
         values = self.table[self._spelling[column]]
         try:
             plain: Array = np.ma.filled(np.ma.asarray(values, dtype=float), 0.0)
@@ -84,7 +84,7 @@ class Columns:
         return np.where(np.isfinite(plain) & (plain > 0), plain, 0.0) * factor
 
     def unit_of(self, column: str, given: str | None) -> units.UnitBase:
-        """Return the unit of a column that has been read: its own, or what was given for it."""
+        """Return the unit of a column that has been read: its own, or the one that was given for it."""
         found = self.table[self._spelling[column]].unit
         return units.Unit(given if found is None or str(found).strip() == "" else found)
 
@@ -128,7 +128,7 @@ class Columns:
         needed: str,
         values: Shaped[Array, " source"],
     ) -> None:
-        """Name the first row that is not good."""
+        """Raise an error that names the first row that is not good."""
         if not np.all(good):
             row = int(np.argmin(good))
             raise InputError(
@@ -158,13 +158,13 @@ class Columns:
 
 
 def _angles(texts: Column, column: str) -> Column:
-    """Angles written out, such as 03h28m12.6s and -27:35:15; right ascensions without letters are in hours."""
+    """Read angles such as 03h28m12.6s and -27:35:15; right ascensions without letters are in hours."""
     if not any(mark in str(texts[0]) for mark in ":hmd "):
         return texts
     unit = units.hourangle if column == "ra" else units.deg
     try:
         degrees = Angle([str(text) for text in texts], unit=unit).to_value(units.deg)
     except (ValueError, TypeError, units.UnitsError):
-        # What is wrong is said by whoever wants numbers.
+        # The caller, who needs numbers, reports what is wrong.
         return texts
     return Column(degrees, unit=units.deg)

@@ -1,7 +1,8 @@
-"""Images in FITS files, with the coordinates that viewers and source finders know."""
+"""Images in FITS files, with the coordinates that viewers and source finders expect."""
 
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from astropy.io import fits
@@ -15,26 +16,27 @@ from uvshear.typing import Array, Float
 
 
 def check_image_name(path: Path) -> None:
-    """Refuse an extension that is not of FITS."""
+    """Refuse a name without the extension of FITS."""
     if path.suffix.lower() != ".fits":
         raise InputError(f"{path}: an image is written as FITS; give a name that ends in .fits")
 
 
 def write_residual_image(
-    path: Path,
+    path: Path | str,
     images: DirtyAndResidual,
     phase_centre: PhaseCentre,
-    metadata: Mapping[str, str],
+    metadata: Mapping[str, str] = MappingProxyType({}),
     *,
     overwrite: bool = False,
 ) -> None:
-    """Write the residual image as primary HDU and the dirty image as HDU ``DIRTY``, whole or not at all.
+    """Write the residual image as primary HDU and the dirty image as HDU ``DIRTY``, completely or not at all.
 
     Parameters
     ----------
     metadata
-        How the images were made (``io.provenance``): words of at most eight letters, and text in ASCII.
+        Record of the command (``io.provenance``): keys of at most eight letters, with values in ASCII.
     """
+    path = Path(path)
     check_image_name(path)
     primary, dirty = (
         kind(fits_order(image), header=_header(images, image, phase_centre, metadata))
@@ -47,12 +49,12 @@ def write_residual_image(
 
 
 def fits_order(image: Float[Array, "l m"]) -> Float[Array, "stokes frequency m l"]:
-    """Image as FITS has it: the first axis, numpy's last, is right ascension and grows to the West."""
+    """Image in the order of FITS: its first axis, the last of numpy, is right ascension and grows to the West."""
     return np.ascontiguousarray(image[::-1].T, dtype=np.float32)[None, None]
 
 
 def celestial(grid: ImageGrid, phase_centre: PhaseCentre) -> dict[str, str | float]:
-    """Keywords of the coordinates of an array in :func:`fits_order`, orthographic about the phase centre."""
+    """Keywords for the coordinates of an image in :func:`fits_order`, orthographic about the phase centre."""
     pixel = float(np.degrees(grid.pixel))
     middle = grid.size // 2
     return {

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.accumulate import show
@@ -13,7 +12,6 @@ from uvshear.interferometer.origin import origin_of
 from uvshear.interferometer.ranges import ObservationRanges, RangesAccumulator
 from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.visibilities import Observation, Visibilities
-from uvshear.io.readers import Reading, reader_of
 from uvshear.typing import Array, Float
 
 
@@ -120,12 +118,6 @@ class Inspection:
     telescope: Telescope | None = None
     columns: tuple[str, ...] = ()
     windows: tuple[Window, ...] = ()
-
-
-def inspect(path: str | Path, reading: Reading | None = None) -> Inspection:
-    """Read a file once, all of its fields unless one is chosen."""
-    reading = reading or Reading()
-    return reader_of(Path(path), reading).inspect(Path(path), reading)
 
 
 def inspect_observation(observation: Observation) -> Inspection:

@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Final, Self
 
 import numpy as np
 from casacore import tables
@@ -27,6 +27,7 @@ from uvshear.io.measurement_set_header import (
     read_header,
     read_pointing,
 )
+from uvshear.io.reading import Reading
 from uvshear.io.uvw_sign import uvw_sign_agrees
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
@@ -80,6 +81,19 @@ class MeasurementSet:
         if self.subtracted is not None:
             check_subtracted(Path(self.path), self.column, self.subtracted)
         object.__setattr__(self, "header", header)
+
+    @classmethod
+    def from_reading(cls, path: str | Path, reading: Reading) -> Self:
+        """Open a set as a reading says."""
+        return cls(
+            path,
+            column=reading.column,
+            field=reading.field,
+            heeds_flags=reading.heeds_flags,
+            scans=reading.scans,
+            conjugates=reading.conjugates,
+            subtracted=reading.subtracted,
+        )
 
     @property
     def phase_centre(self) -> PhaseCentre:

@@ -15,8 +15,7 @@ from uvshear.io.measurement_set_header import (
     open_table,
     visibility_columns,
 )
-from uvshear.io.measurement_set_reader import MeasurementSetReader
-from uvshear.io.readers import Reading
+from uvshear.io.reading import Reading
 
 CORRELATIONS = {1: "I", 5: "RR", 6: "RL", 7: "LR", 8: "LL", 9: "XX", 10: "XY", 11: "YX", 12: "YY"}
 """Names of CORR_TYPE codes (casacore, Stokes::StokesTypes)."""
@@ -29,8 +28,7 @@ def inspect_measurement_set(path: Path, reading: Reading) -> Inspection:
         columns = visibility_columns(main)
         names = fields_present(path, main)
     chosen = names if reading.field is None else [reading.field]
-    reader = MeasurementSetReader()
-    fields = [reader.open(path, replace(reading, field=field)) for field in chosen]
+    fields = [MeasurementSet.from_reading(path, replace(reading, field=field)) for field in chosen]
     windows = [
         Window(
             description.channels.frequency, description.channels.width, description.averaged, words

@@ -1,13 +1,13 @@
 """The reader of Measurement Sets."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from uvshear.io.inspection import Inspection
 from uvshear.io.measurement_set import MeasurementSet
-from uvshear.io.readers import Reader, Reading
-
-if TYPE_CHECKING:
-    from uvshear.io.inspection import Inspection
+from uvshear.io.measurement_set_inspection import inspect_measurement_set
+from uvshear.io.readers import Reader
+from uvshear.io.reading import Reading
 
 
 class MeasurementSetReader(Reader):
@@ -21,18 +21,8 @@ class MeasurementSetReader(Reader):
 
     def open(self, path: Path, reading: Reading) -> MeasurementSet:
         """Open a set."""
-        return MeasurementSet(
-            path,
-            column=reading.column,
-            field=reading.field,
-            heeds_flags=reading.heeds_flags,
-            scans=reading.scans,
-            conjugates=reading.conjugates,
-            subtracted=reading.subtracted,
-        )
+        return MeasurementSet.from_reading(path, reading)
 
-    def inspect(self, path: Path, reading: Reading) -> "Inspection":
+    def inspect(self, path: Path, reading: Reading) -> Inspection:
         """Read a set once, all of its fields unless one is chosen."""
-        from uvshear.io.measurement_set_inspection import inspect_measurement_set  # noqa: PLC0415
-
         return inspect_measurement_set(path, reading)

@@ -1,4 +1,4 @@
-"""The subtables that every Measurement Set has, filled for a simulated observation."""
+"""Subtables of the Measurement Set of a simulated observation."""
 
 from collections.abc import Mapping
 from importlib.metadata import version
@@ -15,7 +15,7 @@ TOPOCENTRIC = 5
 
 
 def write_subtables(path: Path, observation: SimulatedObservation, hands: Hands) -> None:
-    """Fill all twelve; FLAG_CMD has no rows, as nothing is flagged."""
+    """Fill all subtables; FLAG_CMD has no rows, as nothing is flagged."""
     contents = {
         "ANTENNA": _antenna(observation),
         "FEED": _feed(observation, hands),

@@ -19,7 +19,7 @@ from uvshear.io.outputs import check_output, unfinished
 from uvshear.simulation.observation import CorrelationBlock, SimulatedObservation
 
 TILE_BYTES: Final = 2**20
-"""Size of a tile of each column: what a read touches at least."""
+"""Size of a tile of each column, which is the least that a reader reads."""
 
 CONSTANT_COLUMNS: Final = (
     "ARRAY_ID",
@@ -35,7 +35,7 @@ CONSTANT_COLUMNS: Final = (
     "EXPOSURE",
     "INTERVAL",
 )
-"""Columns of one value, stored once."""
+"""Columns with the same value in all rows, stored once."""
 
 
 def write_measurement_set(
@@ -47,22 +47,22 @@ def write_measurement_set(
     hands: Hands = Hands.LINEAR,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Simulate and write, a block of rows at a time; whole or not at all.
+    """Simulate an observation and write it, a block of rows at a time; completely or not at all.
 
     Parameters
     ----------
     path
-        Of the Measurement Set; written beside it under a temporary name, then renamed.
+        Path of the Measurement Set, which is written under a temporary name beside it, then renamed.
     observation
-        What to simulate.
+        Observation to simulate.
     overwrite
-        Replace a Measurement Set that is there.
+        Whether a Measurement Set that exists is replaced.
     executor
-        For the prediction.
+        Executor of the prediction.
     hands
         Kind of feed.
     progress
-        Called with the rows written and the rows in all after every block.
+        Function that is called after every block with the number of rows written and the number of all rows.
     """
     target = Path(path)
     _check_target(target, overwrite)
@@ -80,13 +80,13 @@ def _check_target(target: Path, overwrite: bool) -> None:
     check_output(target, overwrite=overwrite)
     if target.exists() and not (target / "table.dat").is_file():
         raise InputError(
-            f"{target}: is not a Measurement Set, so it is not overwritten; choose another name"
+            f"{target}: is not a Measurement Set, and is not overwritten; choose another name"
         )
 
 
 @contextmanager
 def _written_whole(target: Path) -> Iterator[Path]:
-    """Give a path beside the target; move it there at the end, or remove it on any error."""
+    """Yield a path beside the target, which is moved there at the end, or removed after an error."""
     try:
         directory = Path(
             tempfile.mkdtemp(
@@ -105,7 +105,7 @@ def _written_whole(target: Path) -> Iterator[Path]:
 
 
 def _exchange(written: Path, target: Path, replaced: Path) -> None:
-    """Put the new set in the place of the old one, or leave the old one there."""
+    """Put the new set in the place of the old one, which stays there if this fails."""
     try:
         if target.exists():
             target.rename(replaced)
@@ -162,7 +162,7 @@ def _create(path: Path, observation: SimulatedObservation) -> None:
             }
     description["UVW"]["keywords"]["MEASINFO"]["Ref"] = "J2000"
     with tables.default_ms(str(path), description, managers) as main:
-        # An incremental column hands its last value on to the rows added after it.
+        # Rows that are added to an incremental column take over its last value.
         main.addrows(1)
         _write_constants(main, observation)
         main.addrows(len(observation.coverage) - 1)
@@ -180,7 +180,7 @@ def _tiled_manager(column: str, shape: list[int], item_bytes: int, rows: int) ->
 
 
 def _write_constants(main: tables.table, observation: SimulatedObservation) -> None:
-    """Fill the first row of the columns of one value; EXPOSURE is 0 of samples that are no averages."""
+    """Fill the first row of the constant columns; EXPOSURE is 0 for samples that are no averages."""
     coverage = observation.coverage
     for column in CONSTANT_COLUMNS:
         value: object = 0

@@ -1,4 +1,4 @@
-"""One or more files of visibilities, opened as one observation."""
+"""Files of visibilities in any known format: opened as one observation, or inspected."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -6,9 +6,9 @@ from pathlib import Path
 from uvshear.errors import InputError
 from uvshear.interferometer.joint_observation import JointObservation
 from uvshear.interferometer.visibilities import Observation
-from uvshear.io.readers import Reading, reader_of
-
-__all__ = ["Reading", "open_observation"]
+from uvshear.io.inspection import Inspection
+from uvshear.io.readers import reader_of
+from uvshear.io.reading import Reading
 
 
 def open_observation(
@@ -38,3 +38,9 @@ def open_observation(
     opened = [reader_of(path, reading).open(path, reading) for path in chosen]
     parts = opened if prepared is None else [prepared(observation) for observation in opened]
     return parts[0] if len(parts) == 1 else JointObservation.from_parts(parts)
+
+
+def inspect(path: str | Path, reading: Reading | None = None) -> Inspection:
+    """Read a file once for a summary of its content: all of its fields unless one is chosen."""
+    reading = reading or Reading()
+    return reader_of(Path(path), reading).inspect(Path(path), reading)

@@ -1,4 +1,4 @@
-"""Outputs written whole or not at all: under a temporary name beside the target, then renamed."""
+"""Outputs that are written completely or not at all: under a temporary name beside the target, then renamed."""
 
 import json
 import math
@@ -17,7 +17,7 @@ _unfinished: set[Path] = set()
 
 @contextmanager
 def unfinished(path: Path) -> Iterator[None]:
-    """Within the block ``path`` is not to outlive the process (:func:`remove_unfinished`)."""
+    """Register ``path`` as unfinished within the block, so that it does not outlive the process."""
     _unfinished.add(path)
     try:
         yield
@@ -26,10 +26,10 @@ def unfinished(path: Path) -> Iterator[None]:
 
 
 def remove_unfinished() -> None:
-    """Remove what is being written; for a process that ends without unwinding."""
+    """Remove all unfinished outputs, in a process that ends without leaving its blocks."""
     for path in tuple(_unfinished):
         if path.is_dir() and not path.is_symlink():
-            # Another thread may still be writing files into it.
+            # Another thread may still be writing files into the directory.
             for _ in range(_MOST_REMOVALS):
                 shutil.rmtree(path, ignore_errors=True)
                 if not path.exists():
@@ -39,37 +39,37 @@ def remove_unfinished() -> None:
 
 
 def check_output(path: Path, *, overwrite: bool) -> None:
-    """Refuse a target that cannot be written, before any computing is done for it."""
+    """Refuse a target that cannot be written, before anything is computed for it."""
     _check_place(path)
     if os.path.lexists(path) and not overwrite:
         raise InputError(f"{path}: exists already; give --overwrite or another name")
 
 
 def check_file(path: Path, *, overwrite: bool, inputs: Sequence[Path] = ()) -> None:
-    """Refuse a target that cannot become a file, or is an input, before any computing is done for it."""
+    """Refuse a target that cannot become a file, or that is an input, before anything is computed for it."""
     check_output(path, overwrite=overwrite)
-    if path.exists() and any(path.samefile(one) for one in inputs if one.exists()):
+    if path.exists() and any(path.samefile(file) for file in inputs if file.exists()):
         raise InputError(f"{path}: is an input too; give another name for the output")
     if path.is_dir():
-        raise InputError(f"{path}: is a directory, where a file is to be written; give a file name")
+        raise InputError(f"{path}: is a directory; give the name of a file")
 
 
 def _check_place(path: Path) -> None:
     parent = path.parent
     if not parent.is_dir():
         what = "is not a directory" if parent.exists() else "does not exist"
-        raise InputError(f"{path}: {parent} {what}; give an output in an existing directory")
+        raise InputError(f"{path}: {parent} {what}; give an output in a directory that exists")
     if not os.access(parent, os.W_OK | os.X_OK):
         raise InputError(
-            f"{path}: {parent} is not writable; give an output in a directory of yours"
+            f"{path}: {parent} is not writable; give an output in a directory in which you may write"
         )
 
 
 @contextmanager
 def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Yield a temporary name to write to; it becomes ``path`` when the block ends well."""
+    """Yield a temporary name to write to, which becomes ``path`` if the block ends without an error."""
     check_file(path, overwrite=overwrite)
-    # hidden, with the suffix that tells writers the format
+    # The name is hidden, and its suffix tells writers the format.
     temporary = path.with_name(f".{path.stem}.partial-{os.getpid()}{path.suffix}")
     try:
         with unfinished(temporary):
@@ -82,13 +82,13 @@ def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
 
 
 def write_json(path: Path, values: Mapping[str, object], *, overwrite: bool = False) -> None:
-    """Write a record, nested or not; a number that is not finite becomes null, which JSON can hold."""
+    """Write a record, nested or not; numbers that are not finite become null, as JSON has no other form for them."""
 
     def finite(value: object) -> object:
         if isinstance(value, Mapping):
-            return {name: finite(one) for name, one in value.items()}
+            return {name: finite(item) for name, item in value.items()}
         if isinstance(value, list | tuple):
-            return [finite(one) for one in value]
+            return [finite(item) for item in value]
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
     record = finite(values)

@@ -32,8 +32,9 @@ _RANGES = {
 _ERROR = "_err"
 
 
-def read_population(path: Path) -> UnlensedPopulation:
+def read_population(path: Path | str) -> UnlensedPopulation:
     """Read a population from a file of its own, or from that of a shear or a bias, which has it as ``population``."""
+    path = Path(path)
     record = read_record(path, "a population")
     parts = record.get("population", record)
     if not isinstance(parts, dict) or (unknown := sorted(set(parts) - set(PARAMETERS))):

@@ -22,16 +22,14 @@ needs the members of ``interferometer.dishes.HasDishes``, and warnings name it a
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from uvshear.errors import InputError
 from uvshear.interferometer.visibilities import Observation
+from uvshear.io.inspection import Inspection, inspect_observation
+from uvshear.io.reading import Reading
 from uvshear.plugins import Registry
-
-if TYPE_CHECKING:
-    from uvshear.io.inspection import Inspection
 
 READERS = Registry(
     "reader",
@@ -40,38 +38,6 @@ READERS = Registry(
     {},
 )
 """Every registered object is a :class:`Reader` or a class of readers that takes no argument."""
-
-
-@dataclass(frozen=True)
-class Reading:
-    """Which visibilities of a file are read, and how; a reader refuses what its format does not have.
-
-    Parameters
-    ----------
-    column
-        Column of visibilities.
-    field
-        Number or name of the field; needed only where there are several.
-    scans
-        Numbers of the scans to read; all unless given.
-    heeds_flags
-        Whether flagged visibilities are left out.
-    conjugates
-        Whether UVW is taken with the opposite sign.
-    subtracted
-        Column of a model that is subtracted from the visibilities.
-    reader
-        Reader of the format, or its registered name, or ``MODULE:NAME``; the first that recognises the file unless
-        given.
-    """
-
-    column: str = "DATA"
-    field: int | str | None = None
-    scans: tuple[int, ...] | None = None
-    heeds_flags: bool = True
-    conjugates: bool = False
-    subtracted: str | None = None
-    reader: "str | Reader | None" = None
 
 
 class Reader(ABC):
@@ -94,10 +60,8 @@ class Reader(ABC):
             In one line that names the path: the file is damaged, or the reading asks for what it does not hold.
         """
 
-    def inspect(self, path: Path, reading: Reading) -> "Inspection":
+    def inspect(self, path: Path, reading: Reading) -> Inspection:
         """Read a file once for a summary of its content; by default what any observation can tell."""
-        from uvshear.io.inspection import inspect_observation  # noqa: PLC0415
-
         return inspect_observation(self.open(path, reading))
 
 
@@ -123,9 +87,11 @@ def reader_of(path: Path, reading: Reading) -> Reader:
     )
 
 
-def _reader_named(name: str | Reader) -> Reader:
+def _reader_named(name: object) -> Reader:
     found = READERS.find(name) if isinstance(name, str) else name
     reader = found() if isinstance(found, type) else found
     if not isinstance(reader, Reader):
-        raise InputError(f"the reader '{name}' is no Reader but a {type(reader).__name__}")
+        raise InputError(
+            f"the reader '{name}' is not a Reader but has the type {type(reader).__name__}"
+        )
     return reader

@@ -1,4 +1,4 @@
-"""JSON files that commands write and read again."""
+"""JSON files that commands write and other commands read."""
 
 import json
 import math
@@ -9,7 +9,7 @@ from uvshear.errors import InputError
 
 
 def read_record(path: Path, what: str) -> dict[str, object]:
-    """Read names and values; the error of a file that has none says ``what`` it was to be."""
+    """Read names and values; ``what`` is what the file should be, for messages."""
     if not path.exists():
         raise InputError(f"{path}: no such file")
     try:
@@ -22,7 +22,7 @@ def read_record(path: Path, what: str) -> dict[str, object]:
 
 
 def finite(record: Mapping[str, object], name: str) -> float | None:
-    """Return a finite number of the record, or None where it has none."""
+    """Return the number of this name in the record, or None if there is no finite one."""
     value = record.get(name)
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None

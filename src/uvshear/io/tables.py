@@ -1,4 +1,4 @@
-"""Tables in and out of files, of any format that astropy knows."""
+"""Tables in files of any format that astropy knows."""
 
 import warnings
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ READERS: Mapping[str, str] = {
 
 
 def read_table(path: Path, what: str) -> Table:
-    """Read a table of any format; ``what`` is what it ought to be, for the error."""
+    """Read a table of any format; ``what`` is what the file should be, for messages."""
     if not path.exists():
         raise InputError(f"{path}: no such file; a {what} is needed")
     if path.is_dir():
@@ -41,15 +41,15 @@ def read_table(path: Path, what: str) -> Table:
 
 
 def check_table_name(path: Path) -> None:
-    """Refuse an extension that no writer is known for."""
+    """Refuse a name whose extension belongs to no format that can be written."""
     if path.suffix.lower() not in WRITERS:
         raise InputError(
-            f"{path}: the extension says the format of a table; give {', '.join(WRITERS)}"
+            f"{path}: the extension tells the format of a table; give {', '.join(WRITERS)}"
         )
 
 
 def write_table(path: Path, table: Table, *, overwrite: bool = False) -> None:
-    """Write a table whole or not at all, in the format its extension says."""
+    """Write a table completely or not at all, in the format of its extension."""
     check_table_name(path)
     with new_file(path, overwrite=overwrite) as temporary, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # FITS: keys longer than 8 characters become HIERARCH cards

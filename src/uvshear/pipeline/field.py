@@ -1,4 +1,4 @@
-"""A catalogue as the extraction takes it: priors of the sources, the first sky, and flags of what cannot be measured."""
+"""A catalogue as the extraction takes it: priors of the sources, the first sky, flags of what cannot be measured."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ from uvshear.shapes.measurement import FitFlag
 from uvshear.typing import Array, Bool, Float, Int
 
 SAME_PLACE = 0.25
-"""Sources closer than this part of the smaller one's median scale length are one."""
+"""Two sources are one if they are closer than this fraction of the smaller one's median scale length."""
 
 
 def field_of_catalogue(
@@ -27,7 +27,7 @@ def field_of_catalogue(
     model: Model,
     method: Method,
 ) -> Field:
-    """Sources about a phase centre, as round galaxies of the catalogue's fluxes and of median size.
+    """Place the sources about a phase centre, as round galaxies of the catalogue's fluxes and of median size.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def field_of_catalogue(
     flux_at_1_4 = sources.flux * (REFERENCE_FREQUENCY / sources.reference_frequency) ** (
         sources.spectral_index
     )
-    # A point has no size; what is scaled by one, the prior of its position say, takes a galaxy's of its flux.
+    # A point has no size; where one is needed, as for the prior of its position, that of a galaxy of its flux serves.
     usual = np.exp(SizeFluxRelation().prior(flux_at_1_4).log_median)
     known_size = (
         None if sources.scale_length is None else np.where(is_point, usual, sources.scale_length)
@@ -59,16 +59,16 @@ def field_of_catalogue(
         spectral_index=sources.spectral_index,
         reference_frequency=sources.reference_frequency,
     )
-    # What averaging and primary beams leave next to nothing of cannot be modelled.
-    response = Response.of(sky, summary.probes, model.attenuation(phase_centre.dec))
+    # Sources of which averaging and primary beams leave next to nothing cannot be modelled.
+    response = Response.from_sky(sky, summary.probes, model.attenuation(phase_centre.dec))
     unseen = is_modelled & (response.attenuations(sky) < FAINTEST)
     flags[unseen] = FitFlag.OUTSIDE_FIELD
     is_modelled &= ~unseen
     sky = replace(sky, flux=np.where(unseen, 0.0, sky.flux))
     if method.uv_range.minimum >= summary.longest:
         raise InputError(
-            f"--uv-min {method.uv_range.minimum:g}: the longest baseline of the observation has"
-            f" {summary.longest:.4g} wavelengths; a lower uv-min is needed"
+            f"--uv-min {method.uv_range.minimum:g}: the longest baseline of the observation is"
+            f" {summary.longest:.4g} wavelengths; a lower --uv-min is needed"
         )
     longest = min(method.uv_range.maximum, summary.longest)
     unknown = np.zeros(len(sources))

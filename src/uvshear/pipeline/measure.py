@@ -13,12 +13,11 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeAlias
 
 import numpy as np
 
 from uvshear.diagnostics.natural_snr import with_natural_snr
-from uvshear.errors import DataWarning
+from uvshear.errors import DataWarning, InputError
 from uvshear.estimators.registry import EstimatorLike, estimators_of
 from uvshear.execution import Resources
 from uvshear.extraction import Extracted, Field, MeasurementOptions, Method, Model
@@ -26,18 +25,15 @@ from uvshear.extraction.weighted_shapes import weigh
 from uvshear.interferometer.first_pass import FirstPass, first_pass
 from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import Observation
-from uvshear.io.observations import open_observation
 from uvshear.io.provenance import Provenance
 from uvshear.io.statistics import statistics_table
 from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
 from uvshear.pipeline.field import field_of_catalogue
 from uvshear.pipeline.measurement import MeasuredField, Measurement
+from uvshear.pipeline.observation import ObservationLike, observation_of, paths_of
 from uvshear.pipeline.tabulate import catalogue_of_sky, tabulate_shapes
 from uvshear.predict.response import Response
 from uvshear.progress import Progress
-
-ObservationLike: TypeAlias = Observation | str | Path | Sequence[str | Path]
-"""An observation, or the file or files that have it."""
 
 
 def measure(
@@ -80,13 +76,14 @@ def measure(
     DataWarning
         There is something about the data that a user should know; told before the work starts.
     """
+    _check_types(model, method, resources)
     # The shapes themselves are all that some estimators need.
     kept = tuple(estimator for estimator in estimators_of(keep) if estimator.columns)
     options = MeasurementOptions(
         model or Model(), method or Method(), resources or Resources(), kept
     )
     sources = catalogue_of(catalogue)
-    seen = open_observation_of(observation)
+    seen = observation_of(observation)
     first = first_pass(seen, options.resources.executor)
     for text in first.warnings:
         warnings.warn(text, DataWarning, stacklevel=2)
@@ -95,22 +92,28 @@ def measure(
     )
     extracted = _extract(seen, field, first, options, progress)
     shapes = tabulate_shapes(sources, field, extracted, seen.phase_centre, options.model)
-    made = Provenance("uvshear.measure", _names(observation, catalogue))
+    made = Provenance("uvshear.measure", (*paths_of(observation), *_path_of(catalogue)))
     shapes.meta.update(made.metadata())
     return Measurement(
         shapes=shapes,
         statistics=statistics_table(shapes, kept, extracted.kept) if kept else None,
         sky=catalogue_of_sky(sources, field, extracted, seen.phase_centre),
         record=extracted.record,
-        field=MeasuredField(seen, first.summary, extracted.uv_range, options),
+        field=MeasuredField(seen, first.summary, options.model, options.resources),
     )
 
 
-def open_observation_of(observation: ObservationLike) -> Observation:
-    """Return the observation itself, or open the file or files that have it."""
-    if isinstance(observation, Observation):
-        return observation
-    return open_observation(observation)
+def _check_types(model: object, method: object, resources: object) -> None:
+    """Refuse what is no model, method or resources, before anything is read."""
+    for name, given, kind in (
+        ("model", model, Model),
+        ("method", method, Method),
+        ("resources", resources, Resources),
+    ):
+        if given is not None and not isinstance(given, kind):
+            raise InputError(
+                f"{name}={given!r}: a uvshear.{kind.__name__} is needed, not the type {type(given).__name__}"
+            )
 
 
 def _extract(
@@ -120,20 +123,23 @@ def _extract(
     options: MeasurementOptions,
     progress: Progress | None,
 ) -> Extracted:
-    """Measure the sources; signal-to-noise ratios are those of natural weights, whatever weights shapes are taken with."""
+    """Measure the sources; signal-to-noise ratios are those of natural weights, whatever the weights of the shapes."""
     method, model = options.method, options.model
     seen, among = observation, field
     if method.weightings and len(field.measured):
         seen, correction = weigh(observation, field, options)
         among = replace(field, summary=summarise(seen), weight_correction=correction)
     extracted = method.extraction.extract(seen, among, options.setting, progress)
+    extracted = replace(extracted, record=_completed(extracted, method))
     is_part = extracted.uv_range.minimum > 0 or method.uv_range.maximum < np.inf
     if not (is_part or method.weightings):
         return extracted
     attenuation = model.attenuation(observation.phase_centre.dec)
     if not method.extraction.models_attenuation:
         attenuation = None
-    response = Response.of(field.sky.select(field.modelled), first.summary.probes, attenuation)
+    response = Response.from_sky(
+        field.sky.select(field.modelled), first.summary.probes, attenuation
+    )
     quoted = with_natural_snr(
         extracted.measurements,
         first.baselines,
@@ -145,13 +151,14 @@ def _extract(
     return replace(extracted, measurements=quoted)
 
 
-def _names(observation: ObservationLike, catalogue: CatalogueLike) -> tuple[str, ...]:
-    """Names of the inputs that are files."""
-    paths = (
-        [observation]
-        if isinstance(observation, str | Path)
-        else list(observation)
-        if isinstance(observation, Sequence)
-        else []
-    )
-    return tuple(str(path) for path in (*paths, catalogue) if isinstance(path, str | Path))
+def _completed(extracted: Extracted, method: Method) -> dict[str, object]:
+    """Add to the record of an extraction what a residual image needs to know of it."""
+    used = extracted.uv_range
+    return dict(extracted.record) | {
+        "uv_range": [used.minimum, used.maximum],
+        "models_attenuation": method.extraction.models_attenuation,
+    }
+
+
+def _path_of(catalogue: CatalogueLike) -> tuple[str, ...]:
+    return (str(catalogue),) if isinstance(catalogue, str | Path) else ()

@@ -1,6 +1,7 @@
 """What a measurement gives: shapes, statistics, the sky that was found; in memory, or in files."""
 
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -11,29 +12,29 @@ from astropy.table import Table
 from uvshear.diagnostics.residual_image import DirtyAndResidual, residual_image
 from uvshear.errors import InputError
 from uvshear.execution import Resources
-from uvshear.extraction import MeasurementOptions, Model
+from uvshear.extraction import Model
 from uvshear.interferometer.summary import ObservationSummary, summarise
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, read_catalogue, write_catalogue
-from uvshear.io.observations import open_observation
-from uvshear.io.outputs import check_file
+from uvshear.io.outputs import check_file, new_file
 from uvshear.io.provenance import Provenance
-from uvshear.io.shapes import extraction_record, read_shapes, write_shapes
+from uvshear.io.shapes import extraction_record, metadata, read_shapes, write_shapes
 from uvshear.io.statistics import read_statistics, statistics_path, write_statistics
 from uvshear.io.tables import check_table_name
+from uvshear.pipeline.observation import ObservationLike, observation_of
 from uvshear.predict.gridded import Gridding, block_of
 from uvshear.progress import Meter, Progress
 
 
 @dataclass(frozen=True)
 class MeasuredField:
-    """The observation that was measured, and how."""
+    """The observation that was measured, what was believed of it, and what may be used to work on it."""
 
     observation: Observation
     summary: ObservationSummary
-    uv_range: UvRange
-    options: MeasurementOptions
+    model: Model
+    resources: Resources
 
 
 @dataclass(frozen=True, repr=False)
@@ -88,20 +89,28 @@ class Measurement:
         return "\n".join(lines)
 
     def write(self, path: str | Path, *, overwrite: bool = False) -> None:
-        """Write the shapes, and beside them the statistics and the sky (:meth:`companions`); all or none of them."""
+        """Write the shapes, and beside them the statistics and the sky (:func:`companions`); all or none of them."""
         target = Path(path)
         check_outputs(target, overwrite=overwrite)
         statistics, sky = companions(target)
-        made = {
-            name: self.shapes.meta[name] for name in Provenance.KEYS if name in self.shapes.meta
-        }
-        if self.sky is not None:
-            write_catalogue(sky, self.sky, made, overwrite=overwrite)
-        if self.statistics is not None:
-            write_statistics(statistics, self.statistics, made, overwrite=overwrite)
-        elif overwrite:
+        known = metadata(self.shapes)
+        made = {name: str(known[name]) for name in Provenance.KEYS if name in known}
+        with ExitStack() as files:
+
+            def new(name: Path) -> Path:
+                return files.enter_context(new_file(name, overwrite=overwrite))
+
+            # Files take their names when all of them are written.
+            write_shapes(new(target), self.shapes)
+            if self.statistics is not None:
+                write_statistics(new(statistics), self.statistics, made)
+            if self.sky is not None:
+                write_catalogue(new(sky), self.sky, made)
+        # Files of an earlier measurement would be taken for those of this one.
+        if self.statistics is None:
             statistics.unlink(missing_ok=True)
-        write_shapes(target, self.shapes, overwrite=overwrite)
+        if self.sky is None:
+            sky.unlink(missing_ok=True)
 
     def with_provenance(self, provenance: Provenance) -> Self:
         """Return the measurement with what its files say of how they were made."""
@@ -111,7 +120,7 @@ class Measurement:
 
     def residual_image(
         self,
-        observation: Observation | str | Path | None = None,
+        observation: ObservationLike | None = None,
         *,
         model: Model | None = None,
         resources: Resources | None = None,
@@ -122,52 +131,51 @@ class Measurement:
         Parameters
         ----------
         observation, model
-            What was measured, and what was believed; needed of a measurement that was read from files.
+            What was measured, and what was believed of it. A measurement that was read from files does not know them.
+        resources
+            What may be used of the machine.
+        progress
+            Called with what is done and what there is.
         """
-        field, sky = self._field(observation, model, resources), self.sky
-        if sky is None:
-            raise InputError("the sky of this measurement is not known: its file is missing")
-        options, centre = field.options, field.observation.phase_centre
+        if self.sky is None:
+            raise InputError(
+                "the fitted sky of this measurement is not known: the file of it does not lie beside the shapes"
+            )
+        field = self._field(observation, model, resources)
+        centre = field.observation.phase_centre
         meter = Meter(progress)
         meter.expect(field.summary.samples)
-        attenuation = (
-            options.model.attenuation(centre.dec)
-            if options.method.extraction.models_attenuation
-            else None
-        )
+        is_modelled = self.record.get("models_attenuation", True)
+        limits = self.record.get("uv_range")
         return residual_image(
             field.observation,
-            sky.galaxies(centre),
-            options.model.profile,
+            self.sky.galaxies(centre),
+            field.model.profile,
             summary=field.summary,
-            uv_range=field.uv_range,
+            uv_range=UvRange(*limits) if isinstance(limits, list) else UvRange(),
             gridding=Gridding(
-                block=block_of(options.resources.memory), executor=options.resources.executor
+                block=block_of(field.resources.memory), executor=field.resources.executor
             ),
-            attenuation=attenuation,
+            attenuation=field.model.attenuation(centre.dec) if is_modelled else None,
             # Every sample is predicted once and imaged twice.
             step=lambda samples: meter.add(samples / 3),
         )
 
     def _field(
         self,
-        observation: Observation | str | Path | None,
+        observation: ObservationLike | None,
         model: Model | None,
         resources: Resources | None,
     ) -> MeasuredField:
-        if observation is None and self.field is None:
+        known = self.field
+        if observation is not None:
+            seen = observation_of(observation)
+            known = MeasuredField(seen, summarise(seen), Model(), Resources())
+        if known is None:
             raise InputError(
-                "a measurement that was read from a file needs the observation for an image of it"
+                "this measurement was read from files; the observation is needed for an image of it"
             )
-        if self.field is not None and observation is None:
-            return self.field
-        seen = (
-            observation if isinstance(observation, Observation) else open_observation(observation)
-        )
-        options = MeasurementOptions(model=model or Model(), resources=resources or Resources())
-        limits = self.record.get("uv_range")
-        uv_range = UvRange(*limits) if isinstance(limits, list) else UvRange()
-        return MeasuredField(seen, summarise(seen), uv_range, options)
+        return replace(known, model=model or known.model, resources=resources or known.resources)
 
 
 def companions(shapes: Path) -> tuple[Path, Path]:

@@ -32,7 +32,7 @@ def sample_of(measurement: Measurement, estimator: Estimator) -> Sample:
 def selected(
     shapes: Table, *, snr_min: float = 0.0, flux_min: float = 0.0, where: Array | None = None
 ) -> Bool[Array, " source"]:
-    """Sources without a flag, with a measured ``snr`` and a catalogue's flux [Jy] of at least so much.
+    """Choose sources without a flag, with a measured ``snr`` and a catalogue's flux [Jy] of at least so much.
 
     Shear and noise move galaxies across a cut by ``snr``, which biases any shear; a lens without magnification leaves
     the flux.
@@ -40,7 +40,7 @@ def selected(
     Parameters
     ----------
     where
-        Sources that are to be used besides: a boolean for each row.
+        Condition of the user's own: a boolean for each row.
     """
     chosen = np.asarray(shapes["flag"]).astype(str) == "ok"
     chosen &= inside(shapes, "snr") >= snr_min

@@ -11,6 +11,7 @@ from uvshear.estimators import ShearEstimate, estimate_sample_shear, estimator_o
 from uvshear.estimators.bias_correction import BiasCorrection
 from uvshear.estimators.registry import EstimatorLike
 from uvshear.execution import SERIAL, Executor
+from uvshear.io.bias_records import read_correction
 from uvshear.io.shapes import extraction_record
 from uvshear.pipeline.measurement import Measurement, read_measurement
 from uvshear.pipeline.sample import sample_of, selected
@@ -28,7 +29,7 @@ def estimate_shear(
     snr_min: float = 0.0,
     flux_min: float = 0.0,
     where: Array | None = None,
-    correction: BiasCorrection | None = None,
+    correction: BiasCorrection | str | Path | None = None,
     executor: Executor = SERIAL,
     progress: Progress | None = None,
 ) -> ShearEstimate:
@@ -47,25 +48,26 @@ def estimate_shear(
     where
         Sources to use: a boolean for each row of the shapes.
     correction
-        Simulated bias that is taken out (``io.calibration.read_correction``).
+        Simulated bias that is taken out, or the file written by `uvshear bias` that has it.
 
     Raises
     ------
     InputError
         The statistics of the estimator were not kept, or fewer than two sources tell anything of the shear.
     """
-    known = as_measurement(measurement)
     method = estimator_of(estimator)
+    bias = read_correction(correction) if isinstance(correction, str | Path) else correction
+    if bias is not None and bias.estimator != method.name:
+        raise InputError(
+            f"the bias is that of the estimator '{bias.estimator}', not of '{method.name}'"
+        )
+    known = as_measurement(measurement)
     chosen = selected(known.shapes, snr_min=snr_min, flux_min=flux_min, where=where)
     sample = sample_of(known, method).select(chosen)
     found = estimate_sample_shear(method, sample, executor, Meter(progress))
-    if correction is None:
+    if bias is None:
         return found
-    return replace(
-        correction.applied(found),
-        bins=correction.applied_by_flux(found.bins),
-        assumed=found.assumed,
-    )
+    return replace(bias.applied(found), bins=bias.applied_by_flux(found.bins))
 
 
 def as_measurement(given: MeasurementLike) -> Measurement:

@@ -1,4 +1,4 @@
-"""Pictures, and the only importer of matplotlib: functions draw a figure, one saves it."""
+"""Pictures; only this room imports matplotlib. Each ``draw_`` function returns a figure, which ``save`` writes."""
 
 from uvshear.plot.ellipticities import draw_ellipticities
 from uvshear.plot.figure import save

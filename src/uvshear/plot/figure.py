@@ -1,4 +1,4 @@
-"""What pictures share: their colours, how a figure begins, and how it is written."""
+"""Common parts of all pictures: their colours, a new figure, and its file."""
 
 from pathlib import Path
 
@@ -9,20 +9,40 @@ from uvshear.errors import InputError
 from uvshear.io.outputs import new_file
 
 BLUE, ORANGE, GREY = "#0072b2", "#d55e00", "0.45"
-"""Okabe and Ito's blue and vermilion: apart for the colour-blind; in grey print, by marker."""
+"""Blue and vermilion of Okabe and Ito, which colour-blind readers can tell apart; in grey print the markers differ."""
 
 
 def save(figure: Figure, path: Path, *, overwrite: bool = False) -> None:
-    """Write a figure in the format of the file's extension."""
+    """Write a figure in the format that the extension of the file names.
+
+    Parameters
+    ----------
+    figure
+        Figure to be written.
+    path
+        File to write.
+    overwrite
+        Whether an existing file may be replaced.
+    """
     known = figure.canvas.get_supported_filetypes()
     if path.suffix.lower().removeprefix(".") not in known:
-        raise InputError(f"{path}: is no picture; give an extension such as .png, .pdf or .svg")
+        raise InputError(
+            f"{path}: the extension names no format of pictures; use .png, .pdf or .svg, for instance"
+        )
     with new_file(path, overwrite=overwrite) as temporary:
         figure.savefig(temporary, dpi=150)
 
 
 def new_figure(columns: int, width: float, height: float) -> tuple[Figure, list[Axes]]:
-    """Begin a figure of some columns; its size in inches."""
+    """Make an empty figure with panels side by side.
+
+    Parameters
+    ----------
+    columns
+        Number of panels.
+    width, height
+        Size of the figure [inch].
+    """
     figure = Figure(figsize=(width, height), layout="constrained")
     axes = figure.subplots(1, columns, squeeze=False)[0]
     for ax in axes:

@@ -1,4 +1,4 @@
-"""Where the antennas are."""
+"""Map of the antennas of an array."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -10,14 +10,16 @@ from uvshear.typing import Array, Float
 def draw_layout(
     positions: Float[Array, "antenna 3"], name: str, core_radius: float | None = None
 ) -> Figure:
-    """Draw a map of an array, the whole and its core, East and North of its median position.
+    """Draw the antennas to the East and North of their median position: the whole array, and its core.
 
     Parameters
     ----------
     positions
-        Geocentric ITRF X, Y, Z [m].
+        Geocentric positions X, Y, Z in ITRF [m].
+    name
+        Name of the array, for the title.
     core_radius
-        Of the second panel [m]; the inner half of the antennas unless given.
+        Half-width of the second panel [m]; unless given, the panel shows the inner half of the antennas.
     """
     east, north = _east_north(positions)
     distance = np.hypot(east, north)
@@ -40,7 +42,7 @@ def draw_layout(
 def _east_north(
     positions: Float[Array, "antenna 3"],
 ) -> tuple[Float[Array, " antenna"], Float[Array, " antenna"]]:
-    """Coordinates in the plane that touches a spherical Earth at the median antenna."""
+    """Coordinates in the plane that is tangent to a spherical Earth at the median antenna."""
     middle = np.median(positions, axis=0)
     longitude = np.arctan2(middle[1], middle[0])
     latitude = np.arctan2(middle[2], np.hypot(middle[0], middle[1]))

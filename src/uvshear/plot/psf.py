@@ -1,4 +1,4 @@
-"""The point spread function."""
+"""Picture of a point spread function."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -11,16 +11,18 @@ from uvshear.typing import Array, Float
 def draw_psf(
     image: Float[Array, "l m"], pixel: float, ellipticity: complex | None, title: str = "PSF"
 ) -> Figure:
-    """Draw the point spread function, North up and East left, and its profiles along l and m.
+    """Draw a point spread function with North up and East to the left, and its profiles along l and m.
 
     Parameters
     ----------
     image
-        ``image[i, j]`` at l = (i - size/2) pixel, m = (j - size/2) pixel.
+        Image with ``image[i, j]`` at l = (i - size/2) pixel, m = (j - size/2) pixel.
     pixel
-        [rad].
+        Width of a pixel [rad].
     ellipticity
-        Quoted in the title, if there is one.
+        Ellipticity to be quoted in the title, or None.
+    title
+        Title of the picture.
     """
     size = len(image)
     offset = (np.arange(size) - size // 2) * pixel / ARCSEC

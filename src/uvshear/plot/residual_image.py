@@ -1,4 +1,4 @@
-"""A field before and after its sky is taken away."""
+"""Picture of a field before and after its sources are subtracted."""
 
 import numpy as np
 from matplotlib.colors import AsinhNorm
@@ -9,15 +9,15 @@ from uvshear.diagnostics.residual_image import DirtyAndResidual, root_mean_squar
 from uvshear.plot.figure import new_figure
 
 LEAST = 5.0
-"""Standard deviations of the noise to either side of zero that the colours tell apart in any case."""
+"""Range of the colours on either side of zero, at least, in standard deviations of the noise."""
 
 
 def draw_residual_image(
     images: DirtyAndResidual, title: str = "Dirty and residual image"
 ) -> Figure:
-    """Draw the two images with the same colours, North up and East left; the rms of each over it.
+    """Draw the two images with the same colours, North up and East to the left, and quote the rms of each.
 
-    Colours are proportional to the brightness up to the noise, and to its logarithm beyond.
+    The colours are proportional to the brightness up to the noise, and to its logarithm beyond.
     """
     noise = images.noise / MICROJANSKY
     both = np.stack([images.dirty, images.residual]) / MICROJANSKY
@@ -43,7 +43,7 @@ def draw_residual_image(
         rms = root_mean_square(image) / MICROJANSKY
         ax.set_title(f"{name}\nrms {rms:.3g} $\\mu$Jy/beam", fontsize="medium")
     bar = figure.colorbar(shown, ax=axes, label=r"$\mu$Jy/beam (asinh scale)", pad=0.01)
-    # Below the noise the scale is linear, and ticks would run into one another.
+    # Below the noise the scale is linear, and ticks would overlap.
     ticks = [
         tick
         for tick in _ticks(max(high, -low))
@@ -60,7 +60,7 @@ def draw_residual_image(
 
 
 def _ticks(reach: float) -> list[float]:
-    """Zero and the powers of ten that a scale holds, the three largest of either sign."""
+    """Zero, and the three largest powers of ten of either sign that a scale holds."""
     top = int(np.floor(np.log10(reach)))
     powers = [float(10.0**power) for power in range(top - 2, top + 1)]
     return [*(-power for power in reversed(powers)), 0.0, *powers]

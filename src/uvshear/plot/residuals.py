@@ -1,4 +1,4 @@
-"""Ellipticities less the true ones, in units of their errors."""
+"""Residuals of ellipticities, measured minus true, in units of their errors."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,7 +15,19 @@ def draw_residuals(
     flux: Float[Array, " source"],
     title: str = "Residuals: (measured - true) / error",
 ) -> Figure:
-    """Draw residuals of e1 and e2 in units of their errors: distributed, and by flux [Jy]."""
+    """Draw the residuals of e1 and e2 in units of their errors: their distribution, and their values against flux.
+
+    Parameters
+    ----------
+    true, measured
+        Ellipticities e1 + i e2; sources with a NaN are left out.
+    error
+        Standard deviations of e1 and e2, one row for each source.
+    flux
+        Flux densities [Jy].
+    title
+        Title of the picture.
+    """
     pulls = np.stack([(measured - true).real, (measured - true).imag], axis=1) / error
     good = np.all(np.isfinite(pulls), axis=1)
     pulls, flux = pulls[good], flux[good]

@@ -1,4 +1,4 @@
-"""Estimates of the shear."""
+"""Picture of estimates of the shear."""
 
 from collections.abc import Sequence
 
@@ -15,12 +15,20 @@ def draw_shear(
     true: complex | None = None,
     title: str = "Shear, with 1 sigma errors",
 ) -> Figure:
-    """Draw estimates of (g1, g2), one a label, against the truth.
+    """Draw estimates of the shear in the plane of g1 and g2.
 
     Parameters
     ----------
-    shear, error
-        g1 + i g2, and the standard deviations of both components likewise.
+    labels
+        Name of each estimate.
+    shear
+        Estimates g1 + i g2.
+    error
+        Standard deviations of g1 and g2, as the real and the imaginary part.
+    true
+        True shear, if it is known.
+    title
+        Title of the picture.
     """
     figure, (ax,) = new_figure(1, 5.4, 5.2)
     colours = (BLUE, ORANGE, "#009e73", "#cc79a7")

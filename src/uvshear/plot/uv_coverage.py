@@ -1,4 +1,4 @@
-"""Where the baselines are."""
+"""Picture of the uv coverage of an observation."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -8,13 +8,23 @@ from uvshear.plot.figure import BLUE, ORANGE, new_figure
 from uvshear.typing import Array, Float
 
 MOST_POINTS = 200_000
-"""Visibilities drawn of a uv coverage."""
+"""Largest number of rows that are drawn; of more, a random sample is."""
 
 
 def draw_uv_coverage(
     uvw: Float[Array, "row 3"], frequency: Float[Array, " chan"], title: str = "uv coverage"
 ) -> Figure:
-    """Draw every baseline at the mean frequency with its conjugate, and their number by length."""
+    """Draw baselines at the mean frequency with their conjugates, and the distribution of their lengths.
+
+    Parameters
+    ----------
+    uvw
+        Baselines [m].
+    frequency
+        Channel centres [Hz].
+    title
+        Title of the picture.
+    """
     wavelength = SPEED_OF_LIGHT / float(np.mean(frequency))
     uv = uvw[:, :2] / wavelength / 1e3
     length = np.hypot(uv[:, 0], uv[:, 1])

@@ -1,4 +1,4 @@
-"""Visibilities of galaxies by the exact direct sum over sources."""
+"""Visibilities of galaxies by the exact sum over sources."""
 
 from collections.abc import Callable
 from functools import partial
@@ -15,8 +15,8 @@ from uvshear.predict.losses import Losses
 from uvshear.typing import Array, Complex, Float
 
 SLAB = 32768
-"""Rows to a slab: below that the interpreter between kernels costs more than the caches save, and a second worker
-gains nothing."""
+"""Number of rows in a slab. With fewer, the interpreter between kernels costs more time than the caches save, and a
+second worker gains nothing."""
 
 
 def predict_visibilities(
@@ -27,29 +27,29 @@ def predict_visibilities(
     executor: Executor = SERIAL,
     losses: Losses | None = None,
 ) -> Complex[Array, "row chan"]:
-    r"""Visibilities of all galaxies together [Jy].
+    r"""Sum the visibilities of all galaxies [Jy].
 
     .. math:: V = \sum_s S_s (\nu/\nu_\mathrm{ref})^{\beta_s}\, \tilde I_s(u - w l_s/n_s,\, v - w m_s/n_s)\,
               e^{2\pi i [u l_s + v m_s + w (n_s - 1)]}
 
-    The shift of (u, v) in the envelope is the first order of w (n - 1) across the galaxy; the next order
-    is w x^2/2 turns at distance x, 6e-4 at 10 arcsec for w = 5e5 wavelengths. Each slab of rows is summed
-    over sources in the same order, so that results do not depend on the executor.
+    The shift of (u, v) in the envelope is the first order of w (n - 1) across the galaxy; the next order is w x^2/2
+    turns at distance x, 6e-4 at 10 arcsec for w = 5e5 wavelengths. Each slab of rows is summed over sources in the same
+    order, so that results do not depend on the executor.
 
     Parameters
     ----------
     galaxies
-        With l^2 + m^2 < 1.
+        Galaxies of the sky, with l^2 + m^2 < 1.
     uvw
         Baselines [m].
     frequency
         Channel centres [Hz].
     profile
-        Brightness profile of all of them; exponential unless given.
+        Brightness profile of all galaxies; exponential unless given.
     executor
-        For slabs of rows side by side.
+        Works on slabs of rows side by side.
     losses
-        By averaging and primary beams, those of each galaxy's centre; none unless given.
+        Losses by averaging and primary beams, which are those of each galaxy's centre; none unless given.
 
     References
     ----------
@@ -75,7 +75,7 @@ def predict_visibilities(
 
 
 class _Sky:
-    """The galaxies in the form the kernels take them."""
+    """The galaxies in the form in which the kernels take them."""
 
     def __init__(self, galaxies: Galaxies, frequency: Float[Array, " chan"]) -> None:
         l, m = galaxies.l, galaxies.m

@@ -108,7 +108,7 @@ def predict_samples(
         part, image, rows = task
         plane = TangentPlane.at(samples.uvw[rows], *part.tile.centre(band.pixel))
         vis = plane.visibilities(image, band.pixel, gridding.epsilon)
-        return rows, vis * response.own(samples.select(rows), *part.seen_as)
+        return rows, vis * response.source_factor(samples.select(rows), *part.seen_as)
 
     parts = [part for tile in tiles for part in _parts(_padded(tile, sky, band), sky, band)]
     drawn = zip(parts, gridding.executor.map(draw, parts), strict=True)
@@ -129,7 +129,7 @@ class _Part:
 
 def _parts(tile: Tile, sky: ModelledSky, band: Band) -> list[_Part]:
     members = sky.galaxies.select(tile.members)
-    shared = sky.response.shared(members, band.shortest, band.longest)
+    shared = sky.response.shared_factors(members, band.shortest, band.longest)
     parts = []
     for source, coefficients in zip(shared.chosen.tolist(), shared.coefficients, strict=True):
         seen_as = (

@@ -1,4 +1,4 @@
-"""Numba kernels of the direct sum, over one slab of samples and one source at a time; ``uvw`` is (3, row)."""
+"""Numba kernels of the prediction, for one source and one slab of samples or stamp; ``uvw`` is (3, row)."""
 
 import math
 
@@ -29,7 +29,7 @@ def add_source(uvw, per_metre, lmn1, flux, envelope, real, imaginary):  # type: 
 
 @compiled
 def plane_argument(u, v, form, q):  # type: ignore[no-untyped-def]
-    """Write form[0] u^2 + form[1] u v + form[2] v^2 of a plane of cells into q."""
+    """Write form[0] u^2 + form[1] u v + form[2] v^2 on a plane of cells into q."""
     a, b, c = form
     for i in range(u.size):
         first, second = a * u[i] * u[i], b * u[i]
@@ -39,7 +39,7 @@ def plane_argument(u, v, form, q):  # type: ignore[no-untyped-def]
 
 @compiled
 def plane_spectrum(envelope, taper, along_u, along_v, spectrum):  # type: ignore[no-untyped-def]
-    """Write envelope x taper x the phase of each axis."""
+    """Write the product of envelope, taper, and the phases of both axes."""
     for i in range(along_u.size):
         for j in range(along_v.size):
             spectrum[i, j] = (envelope[i, j] * taper[i, j]) * (along_u[i] * along_v[j])

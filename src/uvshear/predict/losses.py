@@ -1,4 +1,4 @@
-"""What is lost of a source's visibilities, for rows and channels as they are read."""
+"""Losses of a source's visibilities by averaging and primary beams, for rows and channels as they are read."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -14,16 +14,16 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class Losses:
-    """An attenuation, and what it asks of a block of visibilities.
+    """An attenuation, and what it needs to know about a block of visibilities.
 
     Parameters
     ----------
     attenuation
-        By averaging, by primary beams, or both.
+        Attenuation by averaging, by primary beams, or by both.
     width
-        Of the channels [Hz]; None of what was not averaged.
+        Widths of the channels [Hz]; None for visibilities that were not averaged.
     integrations
-        Of the rows; None where they are not known.
+        Integrations of the rows; None where they are not known.
     """
 
     attenuation: Attenuation
@@ -31,13 +31,13 @@ class Losses:
     integrations: Integrations | None = None
 
     @classmethod
-    def of(
+    def from_attenuation(
         cls,
         attenuation: Attenuation | None,
         width: Float[Array, " chan"] | None,
         integrations: Integrations | None,
     ) -> Self | None:
-        """Losses in a block; None without an attenuation."""
+        """Losses in a block of visibilities; None without an attenuation."""
         return None if attenuation is None else cls(attenuation, width, integrations)
 
     def samples(

@@ -1,4 +1,4 @@
-"""Galaxies as pixels: images whose Fourier transform is theirs on the baselines of a band."""
+"""Galaxies drawn as pixels: the Fourier transform of the image is that of the galaxies on the baselines of a band."""
 
 import math
 from functools import lru_cache
@@ -15,9 +15,11 @@ from uvshear.predict import kernels
 from uvshear.typing import Array, Complex, Float
 
 SMALLEST_STAMP = 40
-"""Pixels: where a galaxy is smaller than the pixels of a coarse band, the taper sets its extent."""
+"""Smallest size of a stamp [pixels]: where a galaxy is smaller than the pixels of a coarse band, the taper sets the
+extent of its image."""
 
 _KAISER = 9.0
+"""Shape parameter of the window whose integral is the taper."""
 
 
 def render(
@@ -28,19 +30,27 @@ def render(
     band: Band,
     profile: Profile,
 ) -> Float[Array, "l m"]:
-    r"""Image of galaxies on a tile.
+    r"""Draw galaxies on a tile.
 
     .. math:: \sum_x I(x)\, e^{2\pi i\, k \cdot x} = \sum_s S_s \tilde I_s(k)\, e^{2\pi i\, k \cdot x_s}
 
-    for every k within the band; beyond its longest baseline the transform falls smoothly to zero at the Nyquist
-    frequency, so that each galaxy fits a stamp.
+    for every k within the band. Beyond its longest baseline the transform falls smoothly to zero at the Nyquist
+    frequency, so that each galaxy fits on a stamp.
 
     Parameters
     ----------
     galaxies
-        All of them within the tile, and ``half_width`` [rad] from its edge.
+        Galaxies within the tile; their own fluxes do not count.
     flux
-        In place of theirs [Jy].
+        Flux with which each galaxy is drawn [Jy].
+    half_width
+        Half of the width of each galaxy's stamp, which lies within the tile [rad].
+    tile
+        Square of pixels to draw on.
+    band
+        Baselines for which the image is made, and its pixels.
+    profile
+        Brightness profile.
     """
     image = np.zeros((tile.size, tile.size), np.float32)
     pixel = band.pixel
@@ -58,7 +68,7 @@ def render(
 
 
 def stamp_size(half_width: float, pixel: float) -> int:
-    """Pixels of a stamp, even and quick to transform."""
+    """Find the number of pixels along a side of a stamp: even, and quick to transform."""
     return fast_size(max(2 * math.ceil(half_width / pixel), SMALLEST_STAMP))
 
 
@@ -69,7 +79,21 @@ def transform_on_stamp(
     band: Band,
     profile: Profile,
 ) -> Complex[Array, "u v"]:
-    """Transform of a galaxy of unit flux, displaced by ``offset`` [rad], as ``irfft2`` takes it."""
+    """Fourier transform of a galaxy of unit flux on a stamp, as ``irfft2`` takes it.
+
+    Parameters
+    ----------
+    form
+        Quadratic form of the galaxy (``geometry.ellipticity.quadratic_form``) [rad^2].
+    offset
+        Position relative to the central pixel [rad].
+    size
+        Number of pixels along a side.
+    band
+        Baselines, and pixels.
+    profile
+        Brightness profile.
+    """
     u, v, taper = _stamp_plane(size, band)
     q, spectrum = np.empty(taper.shape, np.float32), np.empty(taper.shape, np.complex64)
     kernels.plane_argument(u, v, (4 * math.pi**2 * form).astype(np.float32), q)
@@ -92,7 +116,7 @@ def _stamp_plane(
 
 
 def smooth_step(x: Float[Array, "..."], start: float, stop: float) -> Float[Array, "..."]:
-    """1 up to ``start``, 0 from ``stop`` on, in between the integral of a Kaiser window."""
+    """Fall from 1 at ``start`` to 0 at ``stop``, as the integral of a Kaiser window."""
     t = np.linspace(-1, 1, 2001)
     mass = np.cumsum(np.i0(_KAISER * np.sqrt(1 - t**2)))
     fall = 1 - mass / mass[-1]

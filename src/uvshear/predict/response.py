@@ -1,8 +1,8 @@
-r"""How samples see sources: their spectra, and what averaging and primary beams leave; many sources by way of a few.
+r"""Response of the samples to sources: their spectra, and what averaging and primary beams leave of them.
 
-A source's factor over the samples is a smooth function of where it is and of its spectral index, and those of all
-sources of a tile are combinations of a few of them: the columns that a pivoted QR of the factors at some samples picks.
-What a tile's image cannot carry, for it is one image for all samples, is so carried by a few images.
+The factor with which samples see a source is a smooth function of its position and of its spectral index. The factors
+of all sources of a tile are combinations of those of a few sources, the columns that a pivoted QR of the factors at
+some samples picks. The image of a tile is one image for all samples and cannot carry such factors; a few images can.
 """
 
 from dataclasses import dataclass, replace
@@ -18,28 +18,28 @@ from uvshear.interferometer.samples import Samples
 from uvshear.typing import Array, Float, Int
 
 TOLERANCE = 1e-4
-"""Part of the strongest factor that the few may miss of another."""
-
+"""Error of a factor that is combined from others, over the strongest factor."""
 
 FAINTEST = 1e-2
-"""Part of its flux that a source must have left, to be modelled."""
+"""Smallest part of its flux that a source must have left to be modelled."""
 
-_NEGLIGIBLE = 1e-5
 _FEWEST = 64
+"""Number of samples in a band below which those of all bands choose the sources."""
+
 _OUTERMOST = 8
-"""Sources that are asked how much is lost at all."""
+"""Number of outermost sources that decide whether there is an attenuation at all."""
 
 
 @dataclass(frozen=True)
-class Shared:
-    """Factors of all sources from those of the ``chosen``: factor_s = sum over j of coefficients_js factor_chosen_j."""
+class SharedFactors:
+    """Factors of all sources in terms of a few: factor_s = sum over j of coefficients_js factor_chosen_j."""
 
     chosen: Int[Array, " term"]
     coefficients: Float[Array, "term source"]
 
     @classmethod
-    def of(cls, factors: Float[Array, "probe source"]) -> Self:
-        """Choose as few as the tolerance allows."""
+    def from_factors(cls, factors: Float[Array, "probe source"]) -> Self:
+        """Choose as few sources as the tolerance allows."""
         _, upper, order = qr(factors, mode="economic", pivoting=True)
         diagonal = np.abs(np.diag(upper))
         rank = max(int(np.sum(diagonal > TOLERANCE * diagonal[0])), 1)
@@ -55,18 +55,18 @@ class Response:
 
     .. math:: (\nu/\nu_\mathrm{ref})^{\beta_0} \times (\nu/\nu_\mathrm{ref})^{\beta_s - \beta_0}\, a_k(l_s, m_s)
 
-    The first is common to all, the rest is a source's own.
+    The first factor, the gain, is common to all sources; the rest belongs to each source.
 
     Parameters
     ----------
     index
-        beta_0, the median.
+        beta_0, the median spectral index.
     reference_frequency
         nu_ref [Hz].
     attenuation
-        a, or none.
+        a; None if there is none.
     probes
-        Samples with weights, spread over all that take part; needed where sources differ.
+        Samples with weights, spread over all that take part; they are needed where sources differ.
     """
 
     index: float
@@ -75,22 +75,22 @@ class Response:
     probes: Samples | None = None
 
     @classmethod
-    def of(
+    def from_sky(
         cls,
         galaxies: Galaxies,
         probes: Samples | None = None,
         attenuation: Attenuation | None = None,
     ) -> Self:
-        """Of these galaxies; an attenuation that leaves all of them as they are is none."""
+        """Response to the galaxies of a sky; an attenuation that leaves all of them as they are counts as none."""
         index = float(np.median(galaxies.spectral_index)) if len(galaxies) else 0.0
         if attenuation is not None and probes is not None:
             distance = np.hypot(galaxies.l, galaxies.m)
             outermost = galaxies.select(np.argsort(distance)[-_OUTERMOST:])
-            left = (
+            remaining = (
                 attenuation.factor(probes, *place).min()
                 for place in zip(outermost.l.tolist(), outermost.m.tolist(), strict=True)
             )
-            if min(left, default=1.0) > 1 - _NEGLIGIBLE:
+            if min(remaining, default=1.0) > 1 - 1e-5:
                 attenuation = None
         return cls(index, galaxies.reference_frequency, attenuation, probes)
 
@@ -98,10 +98,20 @@ class Response:
         """Evaluate the common power law at each frequency [Hz]."""
         return ((frequency / self.reference_frequency) ** self.index).astype(np.float32)
 
-    def own(
+    def source_factor(
         self, samples: Samples, l: float, m: float, index: float
     ) -> Float[Array, " sample"] | float:
-        """Factor of a source's own; 1 where it has none."""
+        """Evaluate a source's own factor; 1 where it has none.
+
+        Parameters
+        ----------
+        samples
+            Samples at which the factor is evaluated.
+        l, m
+            Direction cosines of the source.
+        index
+            Spectral index of the source.
+        """
         factor: Float[Array, " sample"] | float = 1.0
         if index != self.index:
             ratio = samples.frequency / self.reference_frequency
@@ -111,43 +121,44 @@ class Response:
         return factor
 
     def strengths(self, galaxies: Galaxies) -> Float[Array, " source"]:
-        """Own factor of each source, rms over the probes and their weights: facets have it in their flux."""
+        """Root mean square of each source's own factor over the weighted probes; the flux of a facet includes it."""
         if self._is_common(galaxies):
             return np.ones(len(galaxies))
         return self._rms(self._factors(self._need_probes(), galaxies))
 
     def attenuations(self, galaxies: Galaxies) -> Float[Array, " source"]:
-        """Part of each source's flux that averaging and primary beams leave, rms over the probes."""
+        """Part of each source's flux that averaging and primary beams leave, as a root mean square over the probes."""
         if self.attenuation is None:
             return np.ones(len(galaxies))
         return self.strengths(galaxies) / replace(self, attenuation=None).strengths(galaxies)
 
-    def aside(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"] | float:
-        """Filter that matches a direction, besides the common power law; its rms is 1, as ``strengths`` has it."""
+    def matched_filter(
+        self, samples: Samples, l: float, m: float
+    ) -> Float[Array, " sample"] | float:
+        """Filter that matches sources in a direction, besides the common power law; its root mean square is 1."""
         if self.attenuation is None:
             return 1.0
-        left = float(self._rms(self.attenuation.factor(self._need_probes(), l, m)[:, None])[0])
-        if left < FAINTEST:
-            # Next to nothing is seen there, and nothing modelled.
+        remaining = float(self._rms(self.attenuation.factor(self._need_probes(), l, m)[:, None])[0])
+        if remaining < FAINTEST:
+            # Next to nothing is seen in this direction, and nothing modelled.
             return 1.0
-        return (self.attenuation.factor(samples, l, m) / left).astype(np.float32)
+        return (self.attenuation.factor(samples, l, m) / remaining).astype(np.float32)
 
-    def shared(self, galaxies: Galaxies, shortest: float, longest: float) -> Shared:
-        """Own factors of sources in terms of a few, on baselines in this range [wavelengths]."""
+    def shared_factors(self, galaxies: Galaxies, shortest: float, longest: float) -> SharedFactors:
+        """Own factors of sources in terms of a few, on baselines within a range [wavelengths]."""
         if self._is_common(galaxies):
-            return Shared(np.zeros(1, int), np.ones((1, len(galaxies))))
+            return SharedFactors(np.zeros(1, int), np.ones((1, len(galaxies))))
         probes = self._need_probes()
         distance = probes.uv_distance
         chosen = np.flatnonzero((distance >= shortest) & (distance < longest))
-        # Of a band with next to no samples all others are asked too.
         seen = probes.select(chosen) if len(chosen) >= _FEWEST else probes
-        return Shared.of(self._factors(seen, galaxies))
+        return SharedFactors.from_factors(self._factors(seen, galaxies))
 
     def _is_common(self, galaxies: Galaxies) -> bool:
         return self.attenuation is None and bool(np.all(galaxies.spectral_index == self.index))
 
     def _rms(self, factors: Float[Array, "probe source"]) -> Float[Array, " source"]:
-        """Of factors at the probes, by what these tell of a source."""
+        """Root mean square of factors at the probes, weighted by the information of these on a source."""
         return np.sqrt(self._weight @ factors**2)
 
     @cached_property
@@ -157,15 +168,17 @@ class Response:
         return weight / weight.sum()
 
     def _need_probes(self) -> Samples:
-        assert self.probes is not None, "sources of unlike response need probes"
+        assert self.probes is not None, "sources with different responses need probes"
         return self.probes
 
     def _factors(self, samples: Samples, galaxies: Galaxies) -> Float[Array, "sample source"]:
-        columns = zip(
+        sources = zip(
             galaxies.l.tolist(),
             galaxies.m.tolist(),
             galaxies.spectral_index.tolist(),
             strict=True,
         )
-        factors = [self.own(samples, *one) * np.ones(len(samples)) for one in columns]
+        factors = [
+            self.source_factor(samples, *source) * np.ones(len(samples)) for source in sources
+        ]
         return np.stack(factors, axis=-1).astype(float)

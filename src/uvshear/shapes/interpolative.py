@@ -1,12 +1,14 @@
-r"""All templates of a family on a few of the cells: what a likelihood over thousands of shapes needs of a facet.
+r"""All templates of a family on a few of the cells, for likelihoods over thousands of shapes.
 
-Templates T of all ellipticities and sizes about one centre are nearly of low rank. On some cells p they tell what they
-are on all others, T(k) = sum_p T(k_p) X_pk (an interpolative decomposition, by pivoted QR of random combinations of
-templates: Halko, Martinsson & Tropp 2011, SIAM Rev. 53, 217, sect. 3.2.3 and 5.2), so that for any data
+The templates T of all ellipticities and sizes about one centre are nearly of low rank: their values on some cells p
+determine those on all others, T(k) = sum_p T(k_p) X_pk. This is an interpolative decomposition, found by a pivoted QR
+of random combinations of templates (Halko, Martinsson & Tropp 2011, SIAM Rev. 53, 217, sect. 3.2.3 and 5.2). For any
+data d
 
 .. math:: \sum_k d_k T(k) = \sum_p T(k_p) \Big(\sum_k X_{pk} d_k\Big)
 
-and the same with squares for <m, m>. No data enter X: it serves all facets of the same cells, and of weights alike.
+and the same with squares holds for <m, m>. X does not depend on the data, so that it serves all facets with the same
+cells and similar weights.
 """
 
 from collections.abc import Hashable
@@ -28,27 +30,36 @@ from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Complex, Float, Int
 
 TOLERANCE = 3e-5
-"""Error of a template over the norm of a typical one, both as the noise of the facet weighs them."""
+"""Error of a template over the norm of a typical one, both weighted by the noise of the facet."""
 
 LEAST_POWER = 1e-4
-"""Of a cell, over the mean, in that weight: other facets of the same cells may have data there."""
+"""Smallest weight of a cell in that norm, over the mean: other facets of the same cells may have data there."""
 
-_SAMPLES = 1024
-_COMBINATIONS = 400
+_TEMPLATES, _COMBINATIONS = 1024, 400
+"""Templates drawn from the family, and random combinations of these in the pivoted QR."""
+
 _BATCH = 256
-"""Templates at a time: theirs stay in the second-level cache."""
+"""Number of templates evaluated at a time; so many stay in the second-level cache."""
+
+_SIZE_STEP = 0.25
+"""Spacing of the sizes ln(alpha) for which decompositions are made: sources of similar sizes share one."""
+
+_SIZE_REACH = 4.5
+"""Half-width of the sizes that a decomposition covers, in standard deviations of the prior."""
 
 
 @dataclass(frozen=True)
-class Skeleton:
-    """Cells that stand for all: functions of the family are ``values[cells] @ spread`` everywhere."""
+class InterpolativeDecomposition:
+    """Cells that determine all others: functions of the family are ``values[cells] @ coefficients`` everywhere."""
 
     cells: Int[Array, " chosen"]
-    spread: Float[Array, "chosen cell"]
+    coefficients: Float[Array, "chosen cell"]
 
     @classmethod
-    def of(cls, functions: Float[Array, "function cell"], weight: Float[Array, " cell"]) -> Self:
-        """Choose the cells by which functions are known to ``TOLERANCE`` in the norm of a ``weight``."""
+    def from_functions(
+        cls, functions: Float[Array, "function cell"], weight: Float[Array, " cell"]
+    ) -> Self:
+        """Choose the cells that determine functions to ``TOLERANCE`` in the norm with this weight."""
         rng = np.random.default_rng(0)
         mixing = rng.standard_normal((_COMBINATIONS, len(functions))) / np.sqrt(len(functions))
         root = np.sqrt(weight)
@@ -56,51 +67,64 @@ class Skeleton:
         size = np.abs(np.diag(triangle))
         rank = int(np.sum(size > TOLERANCE * size[0]))
         inner = solve_triangular(triangle[:rank, :rank], triangle[:rank, rank:])
-        spread = np.empty((rank, functions.shape[1]))
-        spread[:, order[:rank]] = np.eye(rank)
-        spread[:, order[rank:]] = inner
-        spread *= root[order[:rank], None] / root
-        return cls(order[:rank], spread.astype(np.float32))
+        coefficients = np.empty((rank, functions.shape[1]))
+        coefficients[:, order[:rank]] = np.eye(rank)
+        coefficients[:, order[rank:]] = inner
+        coefficients *= root[order[:rank], None] / root
+        return cls(order[:rank], coefficients.astype(np.float32))
 
 
 @dataclass(frozen=True)
-class Condensation:
-    """Skeletons of the templates and of their squares on the cells of a facet."""
+class TemplateDecomposition:
+    """Interpolative decompositions of the templates, and of their squares, on the cells of a facet."""
 
-    values: Skeleton
-    squares: Skeleton
+    values: InterpolativeDecomposition
+    squares: InterpolativeDecomposition
 
     @classmethod
-    def of(
+    def from_facet(
         cls,
         facet: Facet,
         profile: Profile,
         log_sizes: tuple[float, float],
         largest: float = LARGEST_ELLIPTICITY,
     ) -> Self:
-        """Of all ellipticities up to ``largest``, and ln(scale length / rad) from one to the other."""
-        drawn = qmc.Sobol(3, seed=0).random(_SAMPLES)
+        """Decompose the templates of all shapes within limits.
+
+        Parameters
+        ----------
+        facet
+            Facet whose cells and power count; its data do not.
+        profile
+            Brightness profile of the templates.
+        log_sizes
+            Smallest and largest ln(scale length / rad).
+        largest
+            Largest modulus of the ellipticity.
+        """
+        drawn = qmc.Sobol(3, seed=0).random(_TEMPLATES)
         e = largest * np.sqrt(drawn[:, 0]) * np.exp(2j * np.pi * drawn[:, 1])
         size = 2 * np.pi * np.exp(log_sizes[0] + (log_sizes[1] - log_sizes[0]) * drawn[:, 2])
         envelopes = _envelopes(facet.uv.T, np.stack(quadratic_form(e, size), axis=-1), profile)
         power = np.asarray(facet.power, float)
         weight = np.maximum(power / power.mean(), LEAST_POWER)
-        return cls(Skeleton.of(envelopes, weight), Skeleton.of(envelopes**2, weight))
+        decompose = InterpolativeDecomposition.from_functions
+        return cls(decompose(envelopes, weight), decompose(envelopes**2, weight))
 
 
-class CondensedCorrelator:
-    """Sums over cells as of a :class:`Correlator`, from its data at the centre that it has."""
+class DecomposedCorrelator:
+    """The sums of a :class:`Correlator` from the cells of a decomposition, for data at the correlator's centre."""
 
-    def __init__(self, correlator: Correlator, condensation: Condensation) -> None:
+    def __init__(self, correlator: Correlator, decomposition: TemplateDecomposition) -> None:
         self._correlator = correlator
-        self._values, squares = condensation.values, condensation.squares
+        self._values, squares = decomposition.values, decomposition.squares
         self._value_xy = correlator.xy[:, self._values.cells]
         self._square_xy = correlator.xy[:, squares.cells]
-        self._power = squares.spread @ correlator.power
+        self._power = squares.coefficients @ correlator.power
 
     def displaced_to(self, nodes: Float[Array, "node 2"]) -> Float[Array, "node chosen"]:
-        """Condense the real part of the data with each node moved to the origin."""
-        return self._correlator.displaced_to(nodes) @ self._values.spread.T
+        """Real part of the data with each node moved to the origin, summed onto the chosen cells."""
+        return self._correlator.displaced_to(nodes) @ self._values.coefficients.T
 
     def correlate(
         self,
@@ -108,7 +132,7 @@ class CondensedCorrelator:
         log_scale_length: Float[Array, " sample"],
         displaced: Float[Array, "node chosen"],
     ) -> tuple[Float[Array, "sample node"], Float[Array, " sample"]]:
-        """Cross-correlation <d, m> of each template at each node, and its <m, m>."""
+        """Cross-correlation <d, m> of each template at each node, and <m, m> of each template."""
         correlator = self._correlator
         size = np.exp(log_scale_length) / correlator.length
         forms = np.stack(quadratic_form(ellipticity, size), axis=-1)
@@ -130,33 +154,41 @@ def _envelopes(
     return profile.envelope(q)
 
 
-_RUNG = 0.25
-_REACH = 4.5
-
-
-class Condenser:
-    """Condensations of facets, each made when it is first asked for and kept."""
+class DecompositionCache:
+    """Decompositions for facets of one profile; each is made when it is first needed, and kept."""
 
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
-        self._known: dict[tuple[Hashable, float, int, float], Condensation] = {}
+        self._known: dict[tuple[Hashable, float, int, float], TemplateDecomposition] = {}
         self._lock = Lock()
 
-    def of(self, facet: Facet, cells: Hashable, prior: ShapePrior) -> Condensation:
-        """For a facet of such ``cells`` and such a beam, and the sizes of a prior."""
-        rung, sigma = round(prior.log_scale_length / _RUNG), prior.log_scale_length_sigma
+    def decomposition(
+        self, facet: Facet, cells: Hashable, prior: ShapePrior
+    ) -> TemplateDecomposition:
+        """Decomposition for a facet with these cells and this beam, and for the sizes that a prior allows.
+
+        Parameters
+        ----------
+        facet
+            Facet of the source.
+        cells
+            Anything that is equal for facets with the same cells.
+        prior
+            Prior of the source's shape.
+        """
+        step, sigma = round(prior.log_scale_length / _SIZE_STEP), prior.log_scale_length_sigma
         beam = round(float(facet.power[0] / np.mean(facet.power)), 4)
-        key = cells, beam, rung, sigma
-        # One thread makes it, from the same facet whichever comes first.
+        key = cells, beam, step, sigma
+        # One thread makes it; the result is the same whichever thread is first.
         with self._lock:
             if key not in self._known:
-                middle, reach = rung * _RUNG, _REACH * sigma + _RUNG / 2
+                middle, reach = step * _SIZE_STEP, _SIZE_REACH * sigma + _SIZE_STEP / 2
                 sizes = middle - reach, middle + reach
-                self._known[key] = Condensation.of(facet, self._profile, sizes)
+                self._known[key] = TemplateDecomposition.from_facet(facet, self._profile, sizes)
             return self._known[key]
 
     def __getstate__(self) -> dict[str, object]:
-        """Locks do not travel between processes."""
+        """Leave out the lock, which does not travel between processes."""
         return {"_profile": self._profile, "_known": self._known}
 
     def __setstate__(self, state: dict[str, object]) -> None:

@@ -1,4 +1,4 @@
-"""The likelihood of a galaxy's shape, wherever a population makes it matter: what a Bayesian shear needs."""
+"""The likelihood of a galaxy's shape over all shapes of a population, which a Bayesian shear needs."""
 
 import math
 from collections.abc import Callable
@@ -9,43 +9,49 @@ import numpy as np
 from uvshear.galaxy import EllipticityPrior, Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.shapes.correlator import Correlator
-from uvshear.shapes.interpolative import Condensation, CondensedCorrelator
+from uvshear.shapes.interpolative import DecomposedCorrelator, TemplateDecomposition
 from uvshear.shapes.maximum import maximise_likelihood
 from uvshear.shapes.measurement import FitFlag
-from uvshear.shapes.posterior import PosteriorSamples, Steps, quadrature, sample_about
+from uvshear.shapes.posterior import LatticeSteps, PosteriorSamples, quadrature, sample_about
 from uvshear.shapes.prior import ShapePrior
-from uvshear.shapes.shape import FLOAT32_SNR, is_determined, judge
+from uvshear.shapes.shape import FLOAT32_SNR, convergence_flag, is_determined
 from uvshear.typing import Array, Float
 
-STEPS = Steps(relative=0.9, widest_e=0.08, most_points=20_000)
-"""Fine enough to interpolate between: with 0.12 the curvature is 1.4 per cent off at 10 to 30 uJy, with 0.08 0.1."""
+STEPS = LatticeSteps(relative=0.9, widest_e=0.08, most_points=20_000)
+"""Steps of the lattice, fine enough to interpolate between its points. With steps of 0.12 in e the curvature of the
+likelihood is 1.4 per cent off for galaxies of 10 to 30 uJy, with 0.08 it is 0.1 per cent off."""
 
-CONDENSED_SNR = 60.0
-"""Signal-to-noise ratio below which templates may be condensed."""
-
-_FLATTENED = 0.9
-_BEYOND = 0.15
+DECOMPOSITION_SNR = 60.0
+"""Signal-to-noise ratio below which templates may be taken from an interpolative decomposition."""
 
 
 @dataclass(frozen=True)
-class _Wider(EllipticityPrior):
-    """A population's density, flattened near its end and continued beyond, where a shear may take it."""
+class _WidenedPopulation(EllipticityPrior):
+    """A population's density, flattened near its end and continued beyond, where a shear may move galaxies."""
 
     population: EllipticityPrior
 
     @property
     def maximum(self) -> float:  # type: ignore[override]
-        return min(self.population.maximum + _BEYOND, 0.98)
+        return min(self.population.maximum + 0.15, 0.98)
 
     def relative_density(self, modulus: Float[Array, "..."]) -> Float[Array, "..."]:
-        return self.population.relative_density(
-            np.minimum(modulus, _FLATTENED * self.population.maximum)
-        )
+        return self.population.relative_density(np.minimum(modulus, 0.9 * self.population.maximum))
 
 
 @dataclass(frozen=True)
 class LikelihoodSamples:
-    """Nodes of equal weight over (e, ln alpha), and the likelihood there; fluxes in Jy."""
+    """Likelihood at nodes of equal weight over (e, ln alpha); fluxes in Jy.
+
+    Parameters
+    ----------
+    samples
+        The nodes.
+    log_likelihood
+        Log likelihood at each node, up to a constant.
+    flux, flux_variance
+        Mean and variance of the flux, given the shape of each node [Jy, Jy^2].
+    """
 
     samples: PosteriorSamples
     log_likelihood: Float[Array, " sample"]
@@ -58,16 +64,27 @@ def sample_likelihood(
     prior: ShapePrior,
     profile: Profile,
     population: EllipticityPrior,
-    condensation: Callable[[], Condensation] | None = None,
+    decomposition: Callable[[], TemplateDecomposition] | None = None,
 ) -> LikelihoodSamples | None:
-    """Likelihood over all shapes of the population that the data allow; None where there is no galaxy.
+    """Sample the likelihood of all shapes of a population that the data allow; None where there is no galaxy.
 
-    With a ``condensation`` of the facet's cells for the ``profile``, galaxies below ``CONDENSED_SNR`` take half the
-    time.
+    Parameters
+    ----------
+    facet
+        Facet of the source, everything else subtracted.
+    prior
+        Prior of the source's size and position.
+    profile
+        Brightness profile.
+    population
+        Distribution of ellipticities, which decides which shapes are looked at.
+    decomposition
+        Makes the decomposition of the templates for the facet's cells. With it, galaxies below a signal-to-noise ratio
+        of ``DECOMPOSITION_SNR`` take half the time.
     """
     expected = replace(
         prior,
-        ellipticity=_Wider(population),
+        ellipticity=_WidenedPopulation(population),
         ellipticity_sigma=math.sqrt(population.population_variance),
     )
     correlator = Correlator(facet, profile)
@@ -77,14 +94,14 @@ def sample_likelihood(
         best = maximise_likelihood(correlator, expected)
     if best is None or not is_determined(best):
         return None
-    if judge(best, correlator, expected) is not FitFlag.OK:
+    if convergence_flag(best, correlator, expected) is not FitFlag.OK:
         return None
-    condensed = (
-        CondensedCorrelator(correlator, condensation())
-        if condensation is not None and best.snr < CONDENSED_SNR
+    sums = (
+        DecomposedCorrelator(correlator, decomposition())
+        if decomposition is not None and best.snr < DECOMPOSITION_SNR
         else correlator
     )
-    position, others = quadrature(correlator, condensed, expected, best)
+    position, others = quadrature(correlator, sums, expected, best)
     samples = sample_about(best, position, expected, others, steps=STEPS)
     if not samples.is_covered or not np.all(np.isfinite(samples.probability)):
         return None

@@ -86,7 +86,8 @@ def peak_width(correlator: Correlator, prior: ShapePrior) -> float:
     """Gaussian sigma of the autocorrelation of a round galaxy of median size."""
     form = correlator.form(0j, prior.log_scale_length)
     sums = correlator.normal_sums(form, np.zeros((3, 3)))
-    norm, curvature = sums.norm, float(np.trace(sums.position_curvature))
+    norm, ((xx, _), (_, yy)) = sums.norm, sums.position_curvature.tolist()
+    curvature = xx + yy
     return math.sqrt(2 * norm / curvature) if norm > 0 and curvature > 0 else 1.0
 
 
@@ -157,14 +158,7 @@ class _Evaluated:
     position_information: Float[Array, "2 2"]
 
 
-@dataclass(frozen=True)
-class _Step:
-    shift: Float[Array, " 2"]
-    e: complex
-    log_size: float
-
-
-class _Posterior(Ascent[_Evaluated, _Step]):
+class _Posterior(Ascent[_Evaluated, tuple[Array, Array]]):
     """The log posterior of one galaxy as a function to climb; each trial moves the correlator."""
 
     def __init__(self, correlator: Correlator, prior: ShapePrior) -> None:
@@ -177,28 +171,26 @@ class _Posterior(Ascent[_Evaluated, _Step]):
         e = _inside(ellipticity, self.largest)
         return _evaluate(self._correlator, self._prior, e, log_scale_length)
 
-    def step(self, point: _Evaluated, damping: float) -> tuple[_Step, float] | None:
+    def step(self, point: _Evaluated, damping: float) -> tuple[tuple[Array, Array], float] | None:
         """Return the steps of shape and position, which decouple; None where the flux is not positive."""
         if point.flux <= 0:
             return None
         information, gradient = _within_disc(point, self.largest)
         step = np.linalg.solve(_damped(information, damping), gradient)
         shift = np.linalg.solve(_damped(point.position_information, damping), point.pull)
-        promised = float(gradient @ step + point.pull @ shift)
-        log_size = float(np.clip(step[3], -0.7, 0.7))
-        return _Step(
-            _shortened(shift, self._longest), complex(step[1], step[2]), log_size
-        ), promised
+        return (step, shift), float(gradient @ step + point.pull @ shift)
 
     def height(self, point: _Evaluated) -> float:
         """Return the log posterior."""
         return point.log_posterior
 
-    def trial(self, point: _Evaluated, step: _Step) -> _Evaluated:
-        """Evaluate the galaxy after a step."""
-        self._correlator.move_to(point.centre + step.shift)
-        e = _inside(point.ellipticity + step.e, self.largest)
-        return _evaluate(self._correlator, self._prior, e, point.log_scale_length + step.log_size)
+    def trial(self, point: _Evaluated, step: tuple[Array, Array]) -> _Evaluated:
+        """Evaluate the galaxy after steps of shape and position, neither of them too long."""
+        shape, shift = step
+        self._correlator.move_to(point.centre + _shortened(shift, self._longest))
+        e = _inside(point.ellipticity + complex(shape[1], shape[2]), self.largest)
+        log_scale_length = point.log_scale_length + float(np.clip(shape[3], -0.7, 0.7))
+        return _evaluate(self._correlator, self._prior, e, log_scale_length)
 
 
 def _within_disc(

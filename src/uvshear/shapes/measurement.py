@@ -1,7 +1,7 @@
-"""What a fit returns: numbers with their covariance, and one flag."""
+"""The result of a fit: numbers with their covariance, and one flag."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 from typing import Self
 
@@ -11,33 +11,47 @@ from uvshear.typing import Array, Float
 
 
 class FitFlag(Enum):
-    """What happened to a source; the value is the sentence, the lower-case name is what tables carry."""
+    """Outcome of the fit of a source; the value is a sentence, and the lower-case name stands in tables."""
 
     OK = "measured"
     OUTSIDE_FIELD = "the source is farther from the phase centre than the field that was sampled"
     BELOW_HORIZON = "the source is 90 degrees or more from the phase centre"
-    POINT_SOURCE = "the catalogue's size is zero: subtracted, not measured"
+    POINT_SOURCE = "the source has no size in the catalogue: it is subtracted, not measured"
     NO_DATA = "no visibility within the uv range carries weight"
     NO_PEAK = "the data do not correlate with a galaxy at this position: no positive flux fits"
-    UNDETERMINED = "too few baselines to fix a position"
-    OFF_POSITION = "the best position is outside the prior on the position"
+    UNDETERMINED = "there are too few baselines to determine a position"
+    OFF_POSITION = "the best position is outside the prior of the position"
     NOT_CONVERGED = "the maximum of the likelihood, or the extent of the posterior, was not found"
-    DUPLICATE = "a brighter source stands at the same place: taken for that one, and left out"
+    DUPLICATE = "a brighter source stands at the same position; this one was left out"
     CONTAMINATED = (
-        "what is left around the source is more than noise: a neighbour that the catalogue lacks,"
-        " or another profile"
+        "the residual around the source is more than noise: the catalogue lacks a neighbour,"
+        " or the profile is another one"
     )
-    UNRELIABLE = "the posterior is narrower than data and prior can make it"
+    UNRELIABLE = "the posterior is narrower than data and prior together allow"
 
     @property
     def word(self) -> str:
-        """The flag as tables carry it."""
+        """The flag as it stands in tables."""
         return self.name.lower()
 
 
 @dataclass(frozen=True)
 class GalaxyFit:
-    """The most likely galaxy, as a sky model wants it: flux [Jy], offset from the facet's centre and size [rad]."""
+    """The most likely galaxy, as a sky model takes it.
+
+    Parameters
+    ----------
+    flux
+        Flux density [Jy].
+    offset
+        Position relative to the centre of the facet, in l and m [rad].
+    ellipticity
+        e1 + i e2 in the (l, m) frame.
+    scale_length
+        Scale length [rad]; zero for a point source.
+    snr
+        Flux over its error at fixed shape.
+    """
 
     flux: float
     offset: Float[Array, " 2"]
@@ -49,31 +63,33 @@ class GalaxyFit:
     def half_width(self) -> float:
         """Distance along the long axis at which the brightness is lost in the noise [rad].
 
-        The long axis has scale length alpha/(1-|e|); 1 + ln(snr) of them hold all but a part 1/snr.
+        The long axis has the scale length alpha/(1-|e|); 1 + ln(snr) of these hold all but a part 1/snr of the flux.
         """
         return (1 + math.log(max(self.snr, 1.0))) * self.scale_length / (1 - abs(self.ellipticity))
 
 
 @dataclass(frozen=True)
 class ShapeMeasurement:
-    """Posterior means and standard deviations; NaN where nothing was measured.
+    """Posterior means and standard deviations of one source; NaN where nothing was measured.
 
     Parameters
     ----------
     ellipticity
-        Posterior mean of e1, e2.
+        Posterior mean of e1, e2 in the (l, m) frame.
     covariance
-        Of e1, e2.
+        Covariance of e1, e2.
     flux, flux_err
-        At the galaxy's reference frequency [Jy].
+        Flux density at the galaxy's reference frequency, and its error [Jy].
     scale_length, scale_length_err
-        [rad].
+        Scale length and its error [rad].
     offset, offset_err
-        From the centre of the facet in l, m [rad].
+        Position relative to the centre of the facet, in l and m, and its errors [rad].
     snr
         Flux over its error at fixed shape, S sqrt(<m, m>).
     best
         The most likely galaxy; None unless the flag is OK.
+    flag
+        Outcome of the fit.
     """
 
     ellipticity: Float[Array, " 2"]
@@ -90,7 +106,7 @@ class ShapeMeasurement:
 
     @classmethod
     def failed(cls, flag: FitFlag) -> Self:
-        """Nothing measured, and why."""
+        """Measurement of a source of which nothing was measured, with the reason."""
         nan = float("nan")
         pair = np.full(2, nan)
         return cls(pair, np.full((2, 2), nan), nan, nan, nan, nan, pair, pair, nan, None, flag)
@@ -100,41 +116,3 @@ class ShapeMeasurement:
         """det(covariance)^(1/4), the "1D standard deviation" of Rivi & Miller 2018, sect. 2.1."""
         (xx, xy), (_, yy) = self.covariance  # numpy's det warns of the NaN of a failure
         return float(max(xx * yy - xy**2, 0.0) ** 0.25)
-
-
-FARTHEST = 0.5
-"""Shift of e over its error at most, for the neighbours' sake. At 1, 2.8 galaxies per square arcminute have 0.7 % more
-scatter; at 0.1, slopes 0.002 lower."""
-
-
-def inflated(
-    shape: ShapeMeasurement,
-    held: Float[Array, "6 6"],
-    free: Float[Array, "6 6"],
-    shift: Float[Array, " 6"],
-    share: float = 1.0,
-) -> ShapeMeasurement:
-    """Widen the errors by what free neighbours add, and move e by ``shift`` as far as the posterior follows.
-
-    ``held`` and ``free`` are Fisher covariances of (flux, e1, e2, ln alpha, l, m) with the neighbours fixed and free;
-    ``share`` is the part of the information that the posterior has counted.
-    With held = L L^T and C = K K^T the posterior's covariance of e, it becomes share K L^-1 free L^-T K^T: the
-    posterior keeps its own shape. The mean of a posterior of covariance C moves by C held^-1 times what the likelihood
-    moves, no farther than ``FARTHEST`` of its errors: beyond that a Fisher matrix says little, and adds its own noise.
-    """
-    if not np.all(np.isfinite(shape.covariance)):
-        return shape
-    e = slice(1, 3)
-    own = np.linalg.cholesky(shape.covariance + 1e-30 * np.eye(2))
-    matrix = own @ np.linalg.inv(np.linalg.cholesky(held[e, e]))
-    ratio = np.sqrt(np.diag(free) / np.diag(held))
-    moved = shape.covariance @ np.linalg.inv(held[e, e]) @ shift[e]
-    errors = math.sqrt(float(moved @ np.linalg.pinv(shape.covariance) @ moved))
-    return replace(
-        shape,
-        ellipticity=shape.ellipticity + moved / max(errors / FARTHEST, 1.0),
-        covariance=share * matrix @ free[e, e] @ matrix.T,
-        flux_err=shape.flux_err * float(ratio[0]),
-        scale_length_err=shape.scale_length_err * float(ratio[3]),
-        offset_err=shape.offset_err * ratio[4:6],
-    )

@@ -1,7 +1,7 @@
-r"""Moments of a galaxy's visibility function: no profile, no prior, linear in the data.
+r"""MeasuredMoments of a galaxy's visibility function: they need no profile and no prior, and are linear in the data.
 
-With V the galaxy's visibility function about its own centre, rho = u^2 + v^2, a = u^2 - v^2, b = 2 u v and
-f = exp(-rho/2 s^2), everything over s,
+With V the visibility function of the galaxy about its own centre, rho = u^2 + v^2, a = u^2 - v^2, b = 2 u v and
+f = exp(-rho/2 s^2), all coordinates in units of s,
 
 .. math::
     M_1 = \int a f V,\quad M_2 = \int b f V,\quad M_R = \int \rho f V
@@ -13,26 +13,26 @@ over half of the uv plane. A shear g maps V(k) to V((1 + G) k), G = ((g1, g2), (
     \frac{\partial M_1}{\partial g_2} = \frac{\partial M_2}{\partial g_1} = \int a b f V,\quad
     \frac{\partial M_2}{\partial g_2} = -\int (2 \rho - b^2) f V.
 
-These are weighted sums of the data too, and linear: sum M over sum of the derivatives is a shear without noise bias,
-whatever the profile (moments with a weight in Fourier space are those of Bernstein & Armstrong 2014 and Bernstein et
-al. 2016).
+These are weighted sums of the data too, and linear: the sum of M over the sum of the derivatives is a shear without
+noise bias, whatever the profile (moments with a weight in Fourier space are those of Bernstein & Armstrong 2014 and
+Bernstein et al. 2016).
 
-**Third order.** Of galaxies that lie in all directions the average V is a function of rho alone, and behind a shear
-g the average M is R g + K g |g|^2 with
+**Third order.** For galaxies that lie in all directions the average V is a function of rho alone, and behind a shear g
+the average M is R g + K g |g|^2 with
 
 .. math:: R = \int (\rho^2/2 - 2 \rho) f V,\quad K = \int (\rho^4/16 - \rho^3 + 7\rho^2/2 - 2\rho) f V:
 
-rho becomes rho (1 + |g|^2 + 2 |g| cos 2 phi)/(1 - |g|^2), expanded and integrated by parts. The derivatives of
-galaxies that are lensed already are (R + 3 K |g|^2) (1 - |g|^2), for shears do not add up but compose; so M over R
-comes out as g (1 + (1 - 2 K/R) |g|^2).
+rho becomes rho (1 + |g|^2 + 2 |g| cos 2 phi)/(1 - |g|^2), which is expanded and integrated by parts. The derivatives of
+galaxies that are lensed already are (R + 3 K |g|^2) (1 - |g|^2), since shears do not add up but compose; M over R is
+therefore g (1 + (1 - 2 K/R) |g|^2).
 
-**Gaps.** V is not measured everywhere; but a galaxy is small, and of all weights on the data that sum to M for anything
-inside a disc those of least noise are taken (``fit.deconvolution``).
+**Gaps.** V is not measured everywhere; but a galaxy is small, and of all weights on the data that sum to M for any
+brightness within a disc, those of least noise are taken (``shapes.deconvolution``).
 
-**The centre** is the catalogue's, never one found in the same data: noise moves that one by half a scale length at a
-signal-to-noise ratio of ten, where it is also what makes the moments. Errors of the catalogue's position that are
-Gaussian, of variance sigma^2 in l and in m, multiply V by exp(-2 pi^2 sigma^2 k^2) on average; the weights are divided
-by that, which is exact for any size of the errors.
+**The centre** is that of the catalogue, never one found in the same data: noise moves such a centre by half a scale
+length at a signal-to-noise ratio of ten, and the same noise is in the moments. Gaussian errors of the catalogue's
+positions, of variance sigma^2 in l and in m, multiply V by exp(-2 pi^2 sigma^2 k^2) on average; the weights are divided
+by this factor, which is exact for errors of any size.
 """
 
 import math
@@ -46,31 +46,31 @@ from uvshear.shapes.deconvolution import Disc, EvenPart
 from uvshear.typing import Array, Complex, Float
 
 SCALE = 15e3
-"""s [wavelengths]. Larger weights have more noise for galaxies of an arcsecond, smaller ones too."""
+"""Width s of the weight [wavelengths]. For galaxies of one arcsecond, larger and smaller widths have more noise."""
 
 REACH = 6.0
-"""Longest baseline that takes part, over s: what the weight has left there, 1e-8 and its responses 1e-5, is lost."""
+"""Longest baseline that takes part, over s. The weight beyond it, 1e-8 and 1e-5 for the responses, is lost."""
 
 MOST_SCATTER = 0.25
-"""2 pi^2 sigma^2 s^2 at most: at 1/2 the weights would not end."""
+"""Largest value of 2 pi^2 sigma^2 s^2; at 1/2 the weights would not fall with the baseline any more."""
 
 
 @dataclass(frozen=True)
-class Moments:
-    """Moments [Jy].
+class MeasuredMoments:
+    """MeasuredMoments of one galaxy [Jy].
 
     Parameters
     ----------
     shape
         M_1, M_2.
     response
-        Their derivatives by g1, g2 (the second index), with noise of their own, of mean zero.
+        Derivatives of M_1, M_2 (first index) with respect to g1, g2 (second index); their noise has mean zero.
     third
-        K.
+        K, the coefficient of third order.
     size
         M_R.
     covariance
-        Of M_1, M_2, M_R by noise.
+        Covariance of M_1, M_2, M_R due to noise.
     """
 
     shape: Float[Array, " 2"]
@@ -81,7 +81,19 @@ class Moments:
 
 
 class MomentFunctional:
-    """The moments' weights on the cells of one facet and beam; any number of sources share it."""
+    """Weights of the moments on the cells of one facet and beam, which any number of sources share.
+
+    Parameters
+    ----------
+    uv
+        Cells of the facets [wavelengths].
+    power
+        Power of the beam on these cells.
+    width
+        Width of the facets [rad].
+    position_sigma
+        Standard deviation of the errors of the sources' positions, in l and in m [rad].
+    """
 
     def __init__(
         self,
@@ -90,34 +102,33 @@ class MomentFunctional:
         width: float,
         position_sigma: float = 0.0,
     ) -> None:
-        """For a facet ``width`` wide, and errors of the centre of ``position_sigma`` in l and in m [rad]."""
         scatter = 2 * (math.pi * position_sigma * SCALE) ** 2
         if scatter >= MOST_SCATTER:
             raise InputError(
-                f"errors of the positions of {position_sigma / ARCSEC:.2g} arcsec; moments bear up to"
-                f" {math.sqrt(MOST_SCATTER / 2) / math.pi / SCALE / ARCSEC:.2g}"
+                f"positions have errors of {position_sigma / ARCSEC:.2g} arcsec; moments can allow for errors up to"
+                f" {math.sqrt(MOST_SCATTER / 2) / math.pi / SCALE / ARCSEC:.2g} arcsec"
             )
         longest = REACH * SCALE / math.sqrt(1 - 2 * scatter)
         self._cells = np.flatnonzero(np.hypot(*uv.T) <= longest)
         near, power = uv[self._cells], power[self._cells]
         x, y = near.T / SCALE
         rho, a, b = x * x + y * y, x * x - y * y, 2 * x * y
-        # Over half of the plane: the cell at the origin stands for itself alone.
+        # The integrals are over half of the plane, to which half of the cell at the origin belongs.
         area = np.where(rho > 0, 1.0, 0.5) / (width * SCALE) ** 2
         weight = area * np.exp(-rho * (0.5 - scatter))
         third = rho * (rho * (rho * (rho / 16 - 1) + 3.5) - 2)
         targets = weight * np.stack([a, b, a * a - 2 * rho, a * b, b * b - 2 * rho, third, rho])
         even = EvenPart(Disc(width, longest), near, power)
-        self._weights = even.weights(even.of_cells(targets))
+        self._weights = even.weights(even.values_at_pixels(targets))
         shown = self._weights[[0, 1, 6]]
         self._covariance = (shown * np.abs(power)) @ shown.T
 
-    def measure(self, correlation: Complex[Array, " cell"]) -> Moments:
-        """Moments of one facet's data about its centre."""
+    def measure(self, correlation: Complex[Array, " cell"]) -> MeasuredMoments:
+        """MeasuredMoments of the data of one facet about its centre."""
         m1, m2, r11, r12, r22, third, size = (
             self._weights @ correlation[self._cells].real
         ).tolist()
-        return Moments(
+        return MeasuredMoments(
             shape=np.array([m1, m2]),
             response=np.array([[r11, r12], [r12, r22]]),
             third=third,

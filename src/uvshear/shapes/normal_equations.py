@@ -1,8 +1,8 @@
-r"""How much the parameters of sources have to do with one another: blocks of their common Fisher matrix.
+r"""Blocks of the Fisher matrix that several sources have in common.
 
 .. math:: F_{ij} = \Big\langle \frac{\partial m_i}{\partial\theta_i}, \frac{\partial m_j}{\partial\theta_j} \Big\rangle
 
-with theta = flux, e1, e2, ln alpha, l, m of each.
+with theta = flux, e1, e2, ln alpha, l, m of each source.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from uvshear.typing import Array, Complex, Float
 class NormalEquations:
     """Gradient of one source's log posterior at its present parameters, and its own block of the Fisher matrix.
 
-    Priors, those of a sky model too, are in both.
+    Both include the priors, with the terms of a sky model.
     """
 
     gradient: Float[Array, " 6"]
@@ -32,7 +32,19 @@ class NormalEquations:
 def normal_equations(
     residual: Facet, prior: ShapePrior, profile: Profile, fit: GalaxyFit
 ) -> NormalEquations:
-    """For a facet from which everything is subtracted, the source too."""
+    """Work out the normal equations of one source.
+
+    Parameters
+    ----------
+    residual
+        Facet from which all sources are subtracted, this one too.
+    prior
+        Prior of the source.
+    profile
+        Brightness profile of the source.
+    fit
+        Present parameters of the source.
+    """
     responses = Template(residual.uv, profile).responses(fit)
     data = residual.correlation[None, :].astype(np.complex64)
     gradient = real_product(responses, data)[:, 0]
@@ -42,14 +54,28 @@ def normal_equations(
     return NormalEquations(gradient + pull, information + np.diag(precision))
 
 
-def couplings(
+def fisher_blocks(
     places: Sequence[tuple[float, float]],
     fits: Sequence[GalaxyFit],
     profile: Profile,
     plane: BeamPlane,
     first: int,
 ) -> Float[Array, "first six source six"]:
-    """Blocks of the ``first`` sources with all of them; ``places`` are their facets' centres [rad]."""
+    """Blocks of the Fisher matrix that couple the ``first`` sources of a list to all of the list.
+
+    Parameters
+    ----------
+    places
+        Centres of the sources' facets [rad].
+    fits
+        Parameters of the sources.
+    profile
+        Brightness profile of the sources.
+    plane
+        Beam that the sources have in common.
+    first
+        Number of sources whose rows are returned.
+    """
     responses = np.concatenate(
         [
             Template(plane.uv, profile, place).responses(fit)
@@ -64,7 +90,7 @@ def couplings(
 def real_product(
     a: Complex[Array, "row cell"], b: Complex[Array, "column cell"]
 ) -> Float[Array, "row column"]:
-    """Re sum a b*, in the precision of the cells."""
+    """Real part of sum a b*, in the precision of the cells."""
     left = np.ascontiguousarray(a).view(np.float32).reshape(len(a), -1)
     right = np.ascontiguousarray(b).view(np.float32).reshape(len(b), -1)
     return (left @ right.T).astype(float)

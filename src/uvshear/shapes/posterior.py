@@ -1,4 +1,4 @@
-"""The posterior of ellipticity and size, sampled on a lattice that finds its own extent."""
+"""Posterior of ellipticity and size, sampled on a lattice that finds its own extent."""
 
 import math
 from dataclasses import dataclass
@@ -6,42 +6,47 @@ from dataclasses import dataclass
 import numpy as np
 
 from uvshear.shapes.correlator import Correlator
-from uvshear.shapes.interpolative import CondensedCorrelator
+from uvshear.shapes.interpolative import DecomposedCorrelator
 from uvshear.shapes.maximum import BestFit, search_radius, shape_covariance
 from uvshear.shapes.position import MarginalLikelihood, PositionQuadrature
-from uvshear.shapes.posterior_modes import DEPTH, Likely
+from uvshear.shapes.posterior_modes import DEPTH, PosteriorModes
 from uvshear.shapes.prior import ShapePrior
-from uvshear.typing import Array, Complex, Float, Int
+from uvshear.typing import Array, Bool, Complex, Float, Int
 
 FAINT = 20.0
-"""Signal-to-noise ratio below which other positions and shapes than those about the best fit are looked for. Without,
-one galaxy in 300 at an SNR of 10 to 20 has its posterior's second peak, and the truth, left out."""
+"""Signal-to-noise ratio below which positions and shapes far from the best fit are looked for too. Otherwise one
+galaxy in 300, at a ratio of 10 to 20, would lack the second peak of its posterior, and with it the truth."""
 
-_WIDEST = 0.3
-_SHARPEST = 1e-6
+_WIDEST, _SHARPEST = 0.3, 1e-6
+"""Largest and smallest standard deviations of e and ln alpha that decide the steps of a lattice."""
+
 _NARROWEST = 0.65
 """Standard deviation of the posterior along an axis of the lattice, in steps, below which the step is halved."""
 
 _CORE, _FURTHEST = 2.5, 5.0
+"""Radius of the points that are evaluated at once, in standard deviations, and its maximum in steps."""
+
 _ROOM, _MOST_ROOM = 64, 200
-"""Steps along an axis that a lattice has room for: about where it starts, and from the best fit at most."""
+"""Number of steps along an axis for which a lattice has room: beyond its starts, and from the best fit at most."""
 
 _GROWTH = 1.5
+"""Factor by which the lattice is widened where the posterior is wider than expected."""
+
 _MOST_ATTEMPTS = 10
 
 
 @dataclass(frozen=True)
-class Steps:
-    """How fine a lattice is to be.
+class LatticeSteps:
+    """Steps of a lattice over ellipticity and size.
 
     Parameters
     ----------
     relative
-        Step over the Fisher error. The trapezoidal rule's error for a Gaussian is 2 exp(-2 pi^2/step^2).
+        Step over the Fisher error. The error of the trapezoidal rule for a Gaussian is 2 exp(-2 pi^2/step^2).
     widest_e
-        Widest step in e.
+        Largest step in e.
     most_points
-        A posterior as wide as expected takes about 300 of the usual steps.
+        Largest number of points; a posterior as wide as expected takes about 300 with the usual steps.
     """
 
     relative: float = 1.25
@@ -49,17 +54,31 @@ class Steps:
     most_points: int = 2000
 
 
-USUAL = Steps()
+USUAL = LatticeSteps()
 
 _NEIGHBOURS = np.vstack([np.eye(3, dtype=int), -np.eye(3, dtype=int)])
 
 
 @dataclass(frozen=True)
 class PosteriorSamples:
-    """Nodes of the quadrature over e and ln alpha, with their posterior probability (of sum 1).
+    """Nodes of the quadrature over e and ln alpha, with their posterior probabilities.
 
-    ``is_covered`` tells whether they reach the border of the posterior all round. The nodes are ``origin + axes @
-    point`` in (e1, e2, ln alpha); the last of the axes (columns) is along ln alpha.
+    Parameters
+    ----------
+    ellipticity, log_scale_length
+        Shapes of the nodes; the size is ln(scale length / rad).
+    probability
+        Posterior probability of each node; the sum is 1.
+    given_shape
+        Likelihood, flux and position, given the shape of each node.
+    is_covered
+        Whether the nodes reach the border of the posterior on all sides.
+    point
+        Integer coordinates of the nodes: these are ``origin + axes @ point`` in (e1, e2, ln alpha).
+    origin
+        Node whose integer coordinates are zero, the best fit.
+    axes
+        Steps of the lattice in columns; the last is along ln alpha.
     """
 
     ellipticity: Complex[Array, " sample"]
@@ -73,31 +92,54 @@ class PosteriorSamples:
 
 
 def sample_posterior(
-    correlator: Correlator, prior: ShapePrior, best: BestFit, share: float = 1.0
+    correlator: Correlator,
+    prior: ShapePrior,
+    best: BestFit,
+    information_fraction: float = 1.0,
 ) -> PosteriorSamples:
-    """Posterior over (e, ln alpha), flux and position marginalised, about the best fit and whatever else is likely.
+    """Posterior over (e, ln alpha) with flux and position marginalised.
 
-    The log likelihood counts by ``share``: the part of its information that is the galaxy's own.
+    Parameters
+    ----------
+    correlator
+        Correlator of the facet, centred on the best fit.
+    prior
+        Prior of the source's shape.
+    best
+        Best fit, where the lattice starts.
+    information_fraction
+        Factor of the log likelihood, the part of its information that counts.
     """
     position, others = quadrature(correlator, correlator, prior, best)
-    return sample_about(best, position, prior, others, share=share)
+    return sample_about(best, position, prior, others, information_fraction=information_fraction)
 
 
 def quadrature(
     correlator: Correlator,
-    sums: Correlator | CondensedCorrelator,
+    sums: Correlator | DecomposedCorrelator,
     prior: ShapePrior,
     best: BestFit,
 ) -> tuple[PositionQuadrature, Float[Array, "start 3"] | None]:
-    """Nodes over the position for ``sums``, and shapes to start from besides the best fit: (e1, e2, ln alpha) in rows.
+    """Nodes over the position, and shapes to start from besides the best fit, (e1, e2, ln alpha) in rows.
 
-    About the best fit of a bright galaxy, over all that is likely of a faint one.
+    The nodes lie about the best fit of a bright galaxy, and over all likely positions of a faint one.
+
+    Parameters
+    ----------
+    correlator
+        Correlator of the facet, centred on the best fit.
+    sums
+        Correlator that the nodes are for: the same, or one on the cells of a decomposition.
+    prior
+        Prior of the source's shape.
+    best
+        Best fit.
     """
     if best.snr >= FAINT:
-        return PositionQuadrature.about(sums, best, search_radius(correlator, prior)), None
-    likely = Likely.of(correlator, prior, best)
-    others = _coordinates(likely.ellipticity, likely.log_scale_length)
-    return PositionQuadrature.over(sums, likely), others
+        return PositionQuadrature.from_best_fit(sums, best, search_radius(correlator, prior)), None
+    modes = PosteriorModes.from_lattices(correlator, prior, best)
+    others = _coordinates(modes.ellipticity, modes.log_scale_length)
+    return PositionQuadrature.from_modes(sums, modes), others
 
 
 def sample_about(
@@ -106,23 +148,39 @@ def sample_about(
     prior: ShapePrior,
     others: Float[Array, "start 3"] | None = None,
     *,
-    share: float = 1.0,
-    steps: Steps = USUAL,
+    information_fraction: float = 1.0,
+    steps: LatticeSteps = USUAL,
 ) -> PosteriorSamples:
-    """Posterior on a lattice that grows from the best fit, and from ``others``: (e1, e2, ln alpha) in rows.
+    """Posterior on a lattice that grows from the best fit and from other shapes.
 
-    It follows the axes of the Fisher covariance and takes in every point within ``DEPTH`` of the highest. Where the
-    Fisher matrix misleads it starts again: with half the step along an axis if the posterior is narrower, along the
-    axes found so far if it is so much wider that ``most_points`` do not cover it.
+    The lattice follows the axes of the Fisher covariance and takes in every point within ``DEPTH`` of the highest.
+    Where the Fisher matrix misleads, it starts again: with half the step along an axis if the posterior is narrower,
+    and along the axes of the covariance found so far if the posterior is so wide that ``most_points`` do not cover it.
+
+    Parameters
+    ----------
+    best
+        Best fit, which is the first point of the lattice.
+    position
+        Nodes over the position.
+    prior
+        Prior of the source's shape.
+    others
+        Further shapes to grow from, (e1, e2, ln alpha) in rows.
+    information_fraction
+        Factor of the log likelihood, the part of its information that counts.
+    steps
+        Steps of the lattice.
     """
     starts = _coordinates(np.array([best.ellipticity]), np.array([best.log_scale_length]))
     if others is not None:
         starts = np.vstack([starts, others])
+    density = _PosteriorDensity(position, prior, information_fraction)
     found = shape_covariance(best)
     axes = _axes(found, steps)
     for _ in range(_MOST_ATTEMPTS):
         core = _core(_in_steps(axes, found))
-        samples = _Lattice(position, prior, starts, axes, core, share, steps.most_points).flood()
+        samples = _Lattice(density, starts, axes, core, steps.most_points).flood()
         found = _covariance(samples)
         if not samples.is_covered:
             axes = _axes(_GROWTH**2 * found, steps)
@@ -134,15 +192,15 @@ def sample_about(
     return samples
 
 
-def _axes(covariance: Float[Array, "3 3"], steps: Steps) -> Float[Array, "3 3"]:
-    """Give the steps along the axes of e, the size following, and along ln alpha alone, as columns."""
+def _axes(covariance: Float[Array, "3 3"], steps: LatticeSteps) -> Float[Array, "3 3"]:
+    """Give the steps along the axes of e, on which the size follows its mean, and along ln alpha alone, in columns."""
     values, vectors = np.linalg.eigh(covariance[:2, :2])
-    of_e = steps.relative * np.sqrt(np.clip(values, _SHARPEST**2, _WIDEST**2))
+    along_e = steps.relative * np.sqrt(np.clip(values, _SHARPEST**2, _WIDEST**2))
     slope = (vectors.T @ covariance[:2, 2]) / np.maximum(values, _SHARPEST**2)
     given_e = covariance[2, 2] - slope**2 @ values
     axes = np.zeros((3, 3))
     axes[:2, :2], axes[2, :2] = vectors, slope
-    axes[:, :2] *= np.minimum(of_e, steps.widest_e)
+    axes[:, :2] *= np.minimum(along_e, steps.widest_e)
     axes[2, 2] = steps.relative * math.sqrt(min(max(given_e, _SHARPEST**2), _WIDEST**2))
     return axes
 
@@ -159,7 +217,7 @@ def _in_steps(axes: Float[Array, "3 3"], covariance: Float[Array, "3 3"]) -> Flo
 
 
 def _core(covariance: Float[Array, "3 3"]) -> Int[Array, "point 3"]:
-    """Points that are surely wanted, an ellipsoid of ``_CORE`` standard deviations: at once, not layer by layer."""
+    """Points of an ellipsoid of ``_CORE`` standard deviations, which are needed in any case and evaluated at once."""
     # The axes of the lattice follow those of the covariance: its diagonal is enough.
     length = np.clip(_CORE * np.sqrt(np.maximum(np.diag(covariance), 0)), 0.5, _FURTHEST)
     reach = length.astype(int)
@@ -169,41 +227,61 @@ def _core(covariance: Float[Array, "3 3"]) -> Int[Array, "point 3"]:
     return np.vstack([points[inside], _NEIGHBOURS])
 
 
+@dataclass(frozen=True)
+class _PosteriorDensity:
+    """Log density of the posterior at a shape, up to a constant."""
+
+    position: PositionQuadrature
+    prior: ShapePrior
+    information_fraction: float
+
+    def allows(self, e: Complex[Array, " point"]) -> Bool[Array, " point"]:
+        return np.isfinite(self.prior.ellipticity.log_density(e))
+
+    def evaluate(
+        self, e: Complex[Array, " point"], size: Float[Array, " point"]
+    ) -> tuple[Float[Array, " point"], MarginalLikelihood]:
+        marginal = self.position.marginalise(e, size)
+        deviation = (size - self.prior.log_scale_length) / self.prior.log_scale_length_sigma
+        log_prior = self.prior.ellipticity.log_density(e) - 0.5 * deviation**2
+        return self.information_fraction * marginal.log_likelihood + log_prior, marginal
+
+
 class _Lattice:
-    """One lattice over the disc of ellipticities and the sizes."""
+    """One lattice over the disc of ellipticities and the sizes.
+
+    The first of the starts is one of its points, and the core lies about this one.
+    """
 
     def __init__(
         self,
-        position: PositionQuadrature,
-        prior: ShapePrior,
+        density: _PosteriorDensity,
         starts: Float[Array, "sample 3"],
         axes: Float[Array, "3 3"],
         core: Int[Array, "point 3"],
-        share: float,
         most: int,
     ) -> None:
-        """Put the lattice so that the first of the starts is one of its points; the ``core`` is about it."""
-        self._position, self._prior, self._axes = position, prior, axes
+        self._density, self._axes, self._most = density, axes, most
         self._origin = starts[0]
-        self._share, self._most = share, most
         away = np.rint((starts - self._origin) @ np.linalg.inv(axes).T)
         self._first = np.vstack([away[np.all(np.abs(away) <= _MOST_ROOM, axis=1)], core]).astype(
             int
         )
         self._room = np.minimum(np.abs(self._first).max(axis=0) + _ROOM, _MOST_ROOM)
-        # Zeros that nobody writes take no memory.
+        # Zeros that are never written take no memory.
         self._seen = np.zeros(2 * self._room + 1, bool)
         self._count, self._is_full = 0, False
 
     def flood(self) -> PosteriorSamples:
-        """Grow from the starts until the border lies all round, or until there are too many points."""
-        # The edge of the disc may cut off the best fit itself: begin with what is about it too.
+        """Grow from the starts until the border is reached on all sides, or until there are too many points."""
+        # The edge of the disc may cut off the best fit itself, so that its neighbours are starts too.
         frontier = self._new_points(self._first)
         found: list[tuple[Array, Array, Array, MarginalLikelihood]] = []
         points: list[Int[Array, "point 3"]] = []
         highest = -math.inf
         while len(frontier) and not self._is_full:
-            e, size, log_density, marginal = self._evaluate(frontier)
+            e, size = self._shape(frontier)
+            log_density, marginal = self._density.evaluate(e, size)
             found.append((e, size, log_density, marginal))
             points.append(frontier)
             highest = max(highest, float(log_density.max()))
@@ -214,7 +292,7 @@ class _Lattice:
         return self._collect(found, np.concatenate(points), is_covered=is_covered)
 
     def _new_points(self, points: Int[Array, "point 3"]) -> Int[Array, "new 3"]:
-        """Those not seen before, within the disc; one beyond the room that there is ends it."""
+        """Points within the disc that have not been seen before; a point beyond the room of the lattice ends it."""
         inside = np.all(np.abs(points) <= self._room, axis=1)
         self._is_full |= not inside.all()
         places = points[inside] + self._room
@@ -223,7 +301,7 @@ class _Lattice:
         self._seen.flat[codes] = True
         new = np.stack(np.unravel_index(codes, self._seen.shape), axis=-1) - self._room
         e, _ = self._shape(new)
-        new = new[np.isfinite(self._prior.ellipticity.log_density(e))]
+        new = new[self._density.allows(e)]
         self._count += len(new)
         return new
 
@@ -232,16 +310,6 @@ class _Lattice:
     ) -> tuple[Complex[Array, " point"], Float[Array, " point"]]:
         first, second, size = (self._origin + points @ self._axes.T).T
         return first + 1j * second, size
-
-    def _evaluate(
-        self, points: Int[Array, "point 3"]
-    ) -> tuple[Array, Array, Array, MarginalLikelihood]:
-        e, size = self._shape(points)
-        marginal = self._position.marginalise(e, size)
-        deviation = (size - self._prior.log_scale_length) / self._prior.log_scale_length_sigma
-        log_prior = self._prior.ellipticity.log_density(e) - 0.5 * deviation**2
-        log_density = self._share * marginal.log_likelihood + log_prior
-        return e, size, log_density, marginal
 
     def _collect(
         self,

@@ -1,4 +1,4 @@
-"""Positions and shapes away from the best fit that the data allow too: those of a faint galaxy are many."""
+"""Positions and shapes besides the best fit that the data allow; for a faint galaxy there are many."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -12,31 +12,26 @@ from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Complex, Float
 
 DEPTH = 8.0
-"""Drop of log density below the highest at which nothing is likely any more: 4 sigma."""
-
-_SPACING = 2.0
-"""Of the lattice of positions that are tried, over the standard deviation about one shape's peak."""
-
-_WIDEST = 0.15
-"""Most of that spacing, over the width of the cross-correlation's peak."""
+"""Difference of log density from the highest, 4 sigma, beyond which nothing counts as likely."""
 
 
 @dataclass(frozen=True)
-class Likely:
-    """What is within ``DEPTH`` of the highest, in the units of a correlator centred on the best fit.
+class PosteriorModes:
+    """Positions and shapes whose density is within ``DEPTH`` of the highest.
 
-    Each position is likely for some shape, each shape for some position.
+    They are in the units of a correlator that is centred on the best fit. Each position is likely for some shape, and
+    each shape for some position.
 
     Parameters
     ----------
     positions
-        Points of a lattice, and the best fit's.
+        Likely points of a lattice, and the position of the best fit.
     spacing
-        Of the lattice.
+        Distance between the points of that lattice.
     sigma
-        Standard deviation of the position about one shape's peak.
+        Standard deviation of the position about the peak of one shape.
     ellipticity, log_scale_length
-        The shapes.
+        Likely shapes; the size is ln(scale length / rad).
     """
 
     positions: Float[Array, "node 2"]
@@ -46,11 +41,12 @@ class Likely:
     log_scale_length: Float[Array, " sample"]
 
     @classmethod
-    def of(cls, correlator: Correlator, prior: ShapePrior, best: BestFit) -> Self:
-        """Try a coarse lattice of shapes, and the best fit's, all over the prior of the position."""
+    def from_lattices(cls, correlator: Correlator, prior: ShapePrior, best: BestFit) -> Self:
+        """Evaluate a coarse lattice of shapes, and the best fit, over the whole prior of the position."""
         width = peak_width(correlator, prior)
         sigma = width / best.snr
-        spacing = min(_SPACING * sigma, _WIDEST * width)
+        # Two standard deviations of the position, but not coarser than the peak of the cross-correlation allows.
+        spacing = min(2.0 * sigma, 0.15 * width)
         lattice = hexagonal_lattice(search_radius(correlator, prior), spacing)
         positions = np.vstack([lattice - best.position, np.zeros((1, 2))])
         e, deviation = shape_lattice()

@@ -1,4 +1,4 @@
-"""What is known of a galaxy before its fit."""
+"""Prior knowledge of one galaxy, before its fit."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -12,25 +12,28 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class ShapePrior:
-    """Prior of one source; its flux is uniform from 0.
+    """Prior of one source; its flux is uniform from zero.
+
+    The last four parameters are Gaussian terms of a sky model, whose sources must not fit the noise against which their
+    neighbours are measured. They act on the maximum of the likelihood alone, and are infinitely wide for a measurement.
 
     Parameters
     ----------
     log_scale_length
         Mean of ln(scale length / rad).
     log_scale_length_sigma
-        Its standard deviation.
+        Standard deviation of ln(scale length).
     position_radius
-        The position is uniform within this distance of the facet's centre [rad]; None stands for one
-        width (Gaussian sigma) of the cross-correlation's peak.
+        Distance from the facet's centre within which the position is uniform [rad]; None stands for one width
+        (Gaussian sigma) of the peak of the cross-correlation.
     ellipticity
-        Density over the plane of e; flat over |e| < 0.95 unless given. Of the posterior, not of its maximum.
-    ellipticity_sigma, position_sigma
-        Standard deviations of one component of e, and of l or m about the facet's centre [rad]: of the maximum, not
-        of the posterior. Infinite for a measurement; finite for a sky model, whose sources shall not fit the noise
-        that their neighbours are measured by.
+        Density over the plane of e, flat over |e| < 0.95 unless given; it acts on the posterior, not on its maximum.
+    ellipticity_sigma
+        Standard deviation of each component of e for a sky model.
+    position_sigma
+        Standard deviation of l and of m about the facet's centre for a sky model [rad].
     flux, flux_sigma
-        Mean and standard deviation of the flux [Jy]: of a sky model's maximum alone, as these.
+        Mean and standard deviation of the flux for a sky model [Jy].
     """
 
     log_scale_length: float
@@ -44,12 +47,12 @@ class ShapePrior:
 
     @property
     def measured(self) -> "ShapePrior":
-        """The prior of a measurement, without what the sky model alone has."""
-        free = math.inf
-        return replace(self, ellipticity_sigma=free, position_sigma=free, flux_sigma=free)
+        """The prior of a measurement, without the terms of a sky model."""
+        none = math.inf
+        return replace(self, ellipticity_sigma=none, position_sigma=none, flux_sigma=none)
 
     def penalty(self, fit: GalaxyFit) -> float:
-        """Minus twice the log density of a sky model's source, but for a constant."""
+        """Minus twice the log density of a source of the sky model, up to a constant."""
         total = (abs(fit.ellipticity) / self.ellipticity_sigma) ** 2
         total += ((fit.flux - self.flux) / self.flux_sigma) ** 2
         total += float(np.sum((fit.offset / self.position_sigma) ** 2))
@@ -58,9 +61,9 @@ class ShapePrior:
         return total
 
     def pull(self, fit: GalaxyFit) -> tuple[Float[Array, " 6"], Float[Array, " 6"]]:
-        """Gradient of the log density by flux, e1, e2, ln alpha, l, m, and its precision.
+        """Gradient of the log density with respect to flux, e1, e2, ln alpha, l, m, and the precision of each.
 
-        A point source has no shape: the three rows stand for themselves.
+        A point source has no shape; in its three rows the precision is one, so that the equations are not singular.
         """
         by_flux = self.flux_sigma**-2
         by_e, by_x = self.ellipticity_sigma**-2, self.position_sigma**-2

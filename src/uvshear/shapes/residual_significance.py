@@ -1,4 +1,4 @@
-"""Whether noise is what is left around a source."""
+"""Test of whether the residual around a source is noise."""
 
 import math
 
@@ -10,20 +10,29 @@ from uvshear.shapes.correlator import Correlator
 from uvshear.shapes.lattices import hexagonal_lattice
 
 SIGNIFICANT = 5.5
-"""Standard deviations at which a residual is no noise: 4e-8 of either sign, at a hundred places a source."""
+"""Standard deviations at which a residual is not noise: the probability is 4e-8 for both signs together, and a source
+has about a hundred places that are looked at."""
 
 REACH = 6.0
 """Distance from the source within which residuals are looked at, in scale lengths."""
 
 SPACING = 1.2
-"""Of the places looked at, in scale lengths: a residual between them loses a tenth."""
+"""Distance between the places that are looked at, in scale lengths: a residual between them loses a tenth."""
 
 
 def residual_significance(residual: Facet, profile: Profile, scale_length: float) -> float:
     """Return the largest residual around a source, of either sign, in standard deviations of the noise.
 
-    The facet has everything subtracted, the source too. With a round galaxy m of ``scale_length`` [rad] at each place
-    x, the significance is <r, m_x> / sqrt<m, m>.
+    With a round galaxy m at each place x, the significance is <r, m_x> / sqrt<m, m>.
+
+    Parameters
+    ----------
+    residual
+        Facet from which all sources are subtracted, this one too.
+    profile
+        Brightness profile of the round galaxy.
+    scale_length
+        Scale length of the round galaxy [rad].
     """
     correlator = Correlator(residual, profile)
     size = scale_length / correlator.length

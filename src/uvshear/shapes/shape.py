@@ -1,4 +1,4 @@
-"""The fit of one facet: the best galaxy, and what is known of its shape."""
+"""The fit of one facet: the most likely galaxy, and the posterior of its shape."""
 
 import math
 from dataclasses import replace
@@ -21,26 +21,42 @@ from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Float
 
 FLOAT32_SNR = 150.0
-"""Signal-to-noise ratio above which single precision does not carry differences of log L: its rounding moves e by 1e-4
-of its error at 150, 5e-4 at 300, 3e-3 at 600, 0.4 at 2000."""
+"""Signal-to-noise ratio above which differences of log L need double precision. The rounding of single precision moves
+e by 1e-4 of its error at a ratio of 150, by 5e-4 at 300, 3e-3 at 600, and 0.4 at 2000."""
 
 NARROW = 0.5
-"""A posterior this much narrower than the Fisher matrix and the prior say together is not believed. Isolated galaxies
-have 0.77 and more, from an SNR of 3 to one of 2000 and on either kind of facet."""
+"""Smallest width of a posterior that is believed, over the width that the Fisher matrix and the prior give together.
+Isolated galaxies have at least 0.77, at signal-to-noise ratios from 3 to 2000 and on either kind of facet."""
 
 SINGULAR = 1e-9
-"""Least eigenvalue of the position's Fisher matrix, of unit diagonal, that counts as information."""
+"""Smallest eigenvalue of the Fisher matrix of the position, of unit diagonal, that counts as information."""
 
 
 def fit_galaxy(
     facet: Facet, prior: ShapePrior, profile: Profile, start: GalaxyFit | None = None
 ) -> GalaxyFit | None:
-    """Most likely galaxy, for a sky model: a few milliseconds. None where nothing good was found."""
+    """Most likely galaxy, for a sky model; None where no galaxy was found that can be believed.
+
+    Parameters
+    ----------
+    facet
+        Facet from which all other sources are subtracted.
+    prior
+        Prior of the source's shape, with the terms of a sky model.
+    profile
+        Brightness profile.
+    start
+        Galaxy to start from; without one the fit looks for the highest peak.
+    """
     if not _has_data(facet):
         return None
     correlator = Correlator(facet, profile)
     best = maximise_likelihood(correlator, prior, start)
-    if best is None or not is_determined(best) or judge(best, correlator, prior) is not FitFlag.OK:
+    if (
+        best is None
+        or not is_determined(best)
+        or convergence_flag(best, correlator, prior) is not FitFlag.OK
+    ):
         return None
     return _galaxy(best, correlator)
 
@@ -51,12 +67,23 @@ def measure_shape(
     profile: Profile,
     start: GalaxyFit | None = None,
     *,
-    share: float = 1.0,
+    information_fraction: float = 1.0,
 ) -> ShapeMeasurement:
-    """Posterior mean and covariance of the ellipticity; flux, position and size marginalised.
+    """Posterior mean and covariance of the ellipticity, with flux, position and size marginalised.
 
-    ``share`` is the part of the facet's information that is the galaxy's own, where neighbours held in place would
-    tell more of it than they do when free.
+    Parameters
+    ----------
+    facet
+        Facet from which all other sources are subtracted.
+    prior
+        Prior of the source's shape.
+    profile
+        Brightness profile.
+    start
+        Galaxy to start from; without one the fit looks for the highest peak.
+    information_fraction
+        Part of the facet's information on the shape that counts: less than one where neighbours are not known as well
+        as the subtraction supposes, or where the weights claim less noise than there is.
     """
     if not _has_data(facet):
         return ShapeMeasurement.failed(FitFlag.NO_DATA)
@@ -69,10 +96,12 @@ def measure_shape(
     if best.snr > FLOAT32_SNR:
         correlator = Correlator(facet, profile, np.float64)
         best = maximise_likelihood(correlator, prior, _galaxy(best, correlator)) or best
-    samples = sample_posterior(correlator, prior, best, share)
+    samples = sample_posterior(correlator, prior, best, information_fraction)
     if not np.all(np.isfinite(samples.probability)):
         return ShapeMeasurement.failed(FitFlag.NOT_CONVERGED)
-    flag = judge(best, correlator, prior) if samples.is_covered else FitFlag.NOT_CONVERGED
+    flag = (
+        convergence_flag(best, correlator, prior) if samples.is_covered else FitFlag.NOT_CONVERGED
+    )
     shape = _summarise(samples, correlator, best, flag)
     if flag is FitFlag.OK and shape.e_sigma < NARROW * _expected_e_sigma(best, prior):
         return replace(shape, best=None, flag=FitFlag.UNRELIABLE)
@@ -90,7 +119,7 @@ def _galaxy(best: BestFit, correlator: Correlator) -> GalaxyFit:
 
 
 def is_determined(best: BestFit) -> bool:
-    """Whether the visibilities fix a position: one baseline does not."""
+    """Whether the visibilities determine a position; those of a single baseline do not."""
     return smallest_eigenvalue(best.position_information) > SINGULAR
 
 
@@ -98,18 +127,18 @@ def _has_data(facet: Facet) -> bool:
     return len(facet.uv) > 0 and float(np.sum(facet.power)) > 0
 
 
-def judge(best: BestFit, correlator: Correlator, prior: ShapePrior) -> FitFlag:
-    """Tell whether a best fit was found, and where it may be."""
+def convergence_flag(best: BestFit, correlator: Correlator, prior: ShapePrior) -> FitFlag:
+    """Return OK if the maximum was found, and where the prior allows the position to be."""
     if not best.has_converged:
         return FitFlag.NOT_CONVERGED
-    # The lattice of starts reaches the edge; the climb may go a little over it.
+    # The lattice of starts reaches the edge of the prior, and the climb may go a little beyond it.
     if np.hypot(*best.position) > 1.5 * search_radius(correlator, prior):
         return FitFlag.OFF_POSITION
     return FitFlag.OK
 
 
 def _expected_e_sigma(best: BestFit, prior: ShapePrior) -> float:
-    """det(covariance of e)^(1/4) by the Fisher matrix of the best fit and the prior's variance."""
+    """det(covariance of e)^(1/4) from the Fisher matrix of the best fit and the variance of the prior."""
     information = np.linalg.inv(shape_covariance(best)[:2, :2])
     information += np.eye(2) / prior.ellipticity.population_variance
     return float(np.linalg.det(information)) ** -0.25
@@ -118,7 +147,7 @@ def _expected_e_sigma(best: BestFit, prior: ShapePrior) -> float:
 def _summarise(
     samples: PosteriorSamples, correlator: Correlator, best: BestFit, flag: FitFlag
 ) -> ShapeMeasurement:
-    """First and second moments of the posterior, in the units of the sky."""
+    """First and second moments of the posterior in jansky and radians."""
     given, p = samples.given_shape, samples.probability
     e, covariance = _moments(
         np.stack([samples.ellipticity.real, samples.ellipticity.imag], axis=-1), p

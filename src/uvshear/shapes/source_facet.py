@@ -1,9 +1,9 @@
-"""One source as an estimator of the shear sees it."""
+"""One source as an estimator of the shear sees it, and the statistics that estimators keep of it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol, TypeAlias
+from typing import Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
@@ -16,14 +16,23 @@ from uvshear.shapes.shape import measure_shape
 from uvshear.typing import Array, Complex
 
 Kept: TypeAlias = Mapping[str, float | Array]
-"""Statistics of one source: a number, or a one-dimensional array, for each column."""
+"""Statistics of one source: a number or a one-dimensional array for each column."""
 
 DrawNoise: TypeAlias = Callable[[int], Complex[Array, " cell"]]
-"""From a seed to noise of the facet's cells, in standard deviations of each component; independent of the data's."""
+"""Function from a seed to noise on the cells of a facet, in standard deviations of each component; it is independent of
+the noise of the data."""
 
 
 def noise_named(name: tuple[int, ...], cells: int) -> DrawNoise:
-    """Return what draws the noise of a source, the same for the same seed and ``name`` whatever else is drawn."""
+    """Return a function that draws the noise of one source.
+
+    Parameters
+    ----------
+    name
+        Identity of the source: the same seed and name give the same noise, whatever else is drawn.
+    cells
+        Number of cells of the facet.
+    """
 
     def draw(seed: int) -> Complex[Array, " cell"]:
         rng = np.random.default_rng([seed, *name])
@@ -35,14 +44,14 @@ def noise_named(name: tuple[int, ...], cells: int) -> DrawNoise:
 
 @dataclass(frozen=True)
 class Column:
-    """A column of statistics.
+    """Meaning of a column of statistics.
 
     Parameters
     ----------
     description
-        What it means, for the file.
+        Sentence about the column for the header of a file.
     unit
-        As astropy spells it; None of a number without a unit.
+        Unit as astropy spells it; None for a number without a unit.
     """
 
     description: str
@@ -51,26 +60,26 @@ class Column:
 
 @dataclass(frozen=True)
 class SourceFacet:
-    """The facet of one source, everything else subtracted, and what is known of the source beforehand.
+    """The facet of one source, from which everything else is subtracted, and the prior knowledge of the source.
 
-    It comes from a measurement, or is drawn: whoever has it does not know which.
+    A facet comes from a measurement or from a simulation; an estimator cannot tell which.
 
     Parameters
     ----------
     facet
-        Sufficient statistics of the source, fluxes in Jy at 1.4 GHz.
+        Sufficient statistics of the source, with fluxes at 1.4 GHz [Jy].
     cells
-        The square of pixels that the facet's cells belong to.
+        Square of pixels to whose Fourier transform the facet's cells belong.
     prior
         Prior of the source's shape.
     flux
-        Flux of the catalogue [Jy].
+        Flux density in the catalogue [Jy].
     profile
         Brightness profile that is fitted.
     population
-        Distribution of intrinsic ellipticities, for weights.
+        Distribution of intrinsic ellipticities, on which weights depend.
     draw_noise
-        Draws more noise of the facet's kind.
+        Function that draws more noise like that of the facet.
     """
 
     facet: Facet
@@ -83,18 +92,19 @@ class SourceFacet:
 
     @cached_property
     def shape(self) -> ShapeMeasurement:
-        """The measured shape."""
+        """Shape measured on the facet."""
         return measure_shape(self.facet, self.prior, self.profile)
 
 
+@runtime_checkable
 class Statistic(Protocol):
-    """Numbers of a source that are worked out from its facet and kept beside its shape."""
+    """Numbers that are computed from the facet of a source and kept beside its shape."""
 
     @property
     def columns(self) -> Mapping[str, Column]:
-        """The columns that are kept, by name; none where the table of shapes has all that is needed."""
+        """Columns by name; none where the table of shapes already has all that is needed."""
         ...
 
     def statistic(self, source: SourceFacet) -> Kept | None:
-        """Work out the value of each column; None where the source has none."""
+        """Compute the value of each column; None where the source has no value."""
         ...

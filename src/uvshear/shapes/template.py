@@ -1,4 +1,4 @@
-"""A galaxy of given parameters on uv cells, and how it responds to each of them."""
+"""Visibilities of a galaxy of given parameters on uv cells, and their derivatives with respect to the parameters."""
 
 import math
 from dataclasses import dataclass, replace
@@ -12,28 +12,41 @@ from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Complex, Float
 
 PARAMETERS = 6
-"""Flux, e1, e2, ln alpha, l, m."""
+"""Number of parameters of a galaxy: flux, e1, e2, ln alpha, l, m."""
 
 LARGEST_ELLIPTICITY = 0.95
+"""Largest modulus of e that a step may lead to."""
+
 _LARGEST_STEP_OF_SIZE = 0.7
+"""Largest step in ln alpha."""
 
 
 @dataclass(frozen=True)
 class Template:
-    """A galaxy on the cells of a uv plane, displaced from the plane's centre by ``origin`` + its own offset [rad]."""
+    """Galaxies on the cells of a uv plane.
+
+    Parameters
+    ----------
+    uv
+        Centres of the cells [wavelengths].
+    profile
+        Brightness profile.
+    origin
+        Position relative to the centre of the plane from which the offsets of galaxies are counted [rad].
+    """
 
     uv: Float[Array, "cell 2"]
     profile: Profile
     origin: tuple[float, float] = (0.0, 0.0)
 
     def model(self, fit: GalaxyFit) -> Complex[Array, " cell"]:
-        """Visibilities [Jy]."""
+        """Visibilities of a galaxy [Jy]."""
         return self._phase(fit) * (np.float32(fit.flux) * self._envelope(fit))
 
     def responses(self, fit: GalaxyFit) -> Complex[Array, "6 cell"]:
-        """Differentiate the visibilities by flux [1], e1, e2, ln alpha [Jy], l, m [Jy/rad].
+        """Differentiate the visibilities with respect to flux [1], e1, e2, ln alpha [Jy], and l, m [Jy/rad].
 
-        Those of a point source by e1, e2 and ln alpha are zero.
+        For a point source those with respect to e1, e2 and ln alpha are zero.
         """
         form = 4 * math.pi**2 * quadratic_form_of(fit.ellipticity, fit.scale_length)
         q = _argument(self.uv, form)
@@ -57,7 +70,7 @@ class Template:
 
 
 def moved(fit: GalaxyFit, step: Float[Array, " 6"]) -> GalaxyFit:
-    """Galaxy after a step in its parameters, kept within the disc of ellipticities; its ``snr`` stays."""
+    """Galaxy after a step in its parameters, kept within the disc of ellipticities; ``snr`` is left as it was."""
     e = fit.ellipticity + complex(step[1], step[2])
     if abs(e) > LARGEST_ELLIPTICITY:
         e *= LARGEST_ELLIPTICITY / abs(e)
@@ -72,7 +85,7 @@ def moved(fit: GalaxyFit, step: Float[Array, " 6"]) -> GalaxyFit:
 
 
 def difference(new: GalaxyFit, old: GalaxyFit) -> Float[Array, " 6"]:
-    """Step that leads from one galaxy to another."""
+    """Step in the parameters that leads from ``old`` to ``new``."""
     e = new.ellipticity - old.ellipticity
     size = math.log(new.scale_length / old.scale_length) if old.scale_length > 0 else 0.0
     return np.array([new.flux - old.flux, e.real, e.imag, size, *(new.offset - old.offset)])

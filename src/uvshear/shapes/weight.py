@@ -1,4 +1,4 @@
-"""How much an ellipticity counts."""
+"""Weight of an ellipticity in a mean of ellipticities."""
 
 import numpy as np
 
@@ -14,9 +14,16 @@ def lensfit_weight(
     .. math:: w = \left[\frac{s^2 e_\mathrm{max}^2}{e_\mathrm{max}^2 - 2 s^2}
               + \sigma_\mathrm{pop}^2\right]^{-1}
 
-    with s the measurement's standard deviation; zero from s^2 = e_max^2/2 on. A measurement that says nothing
-    has the prior's own s, 0.475 for a disc of radius 0.95, and a tenth of the largest weight: leave such
-    galaxies out by their signal-to-noise ratio.
+    with s the standard deviation of the measurement; the weight is zero for s^2 >= e_max^2/2. A measurement without
+    information has the standard deviation of the prior, 0.475 for a disc of radius 0.95, and still a tenth of the
+    largest weight: such galaxies should be left out by a cut in the signal-to-noise ratio.
+
+    Parameters
+    ----------
+    e_sigma
+        Standard deviation of each component of the ellipticity.
+    population
+        Distribution of intrinsic ellipticities, with its variance and its maximum e_max.
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""What a lens does to galaxies."""
+"""The effect of a lens on galaxies."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from uvshear.typing import Array, Complex
 
 
 def shear_galaxies(galaxies: Galaxies, g: complex | Complex[Array, " source"]) -> Galaxies:
-    r"""Galaxies behind a reduced shear: the linear map of each galaxy's image about its centre.
+    r"""Apply a reduced shear to galaxies: a linear map of each galaxy's image about its centre.
 
     .. math::
         e' = \frac{e + g}{1 + g^* e},\quad
@@ -22,7 +22,8 @@ def shear_galaxies(galaxies: Galaxies, g: complex | Complex[Array, " source"]) -
     Parameters
     ----------
     g
-        Reduced shear in the (l, m) frame, abs(g) < 1; one for all or one a galaxy.
+        Reduced shear in the (l, m) frame, abs(g) < 1: one number, or one for each galaxy. A shear in the sky frame is
+        converted by :func:`uvshear.geometry.ellipticity.to_field_frame`.
     """
     e = _sheared(galaxies, g)
     scale_length = sheared_scale_length(galaxies.scale_length, galaxies.ellipticity, e)
@@ -32,14 +33,15 @@ def shear_galaxies(galaxies: Galaxies, g: complex | Complex[Array, " source"]) -
 def shear_at_fixed_scale_length(
     galaxies: Galaxies, g: complex | Complex[Array, " source"]
 ) -> Galaxies:
-    r"""Galaxies whose ellipticity is sheared and whose alpha is not, as Paper II simulates.
+    r"""Shear the ellipticities of galaxies and leave their scale lengths, as Rivi & Miller 2018 do.
 
     .. math:: e' = \frac{e + g}{1 + g^* e},\quad \alpha' = \alpha
 
     Parameters
     ----------
     g
-        Reduced shear in the (l, m) frame, abs(g) < 1; one for all or one a galaxy.
+        Reduced shear in the (l, m) frame, abs(g) < 1: one number, or one for each galaxy. A shear in the sky frame is
+        converted by :func:`uvshear.geometry.ellipticity.to_field_frame`.
 
     References
     ----------
@@ -47,8 +49,8 @@ def shear_at_fixed_scale_length(
 
     Notes
     -----
-    No lens does this: estimators that know the response to a shear find a spurious m of -0.07 to
-    -0.14. For reproducing the paper only.
+    No lens does this: estimators that know the response to a shear find a spurious m of -0.07 to -0.14. It serves
+    only to reproduce the paper.
     """
     return replace(galaxies, ellipticity=_sheared(galaxies, g))
 
@@ -57,5 +59,5 @@ def _sheared(
     galaxies: Galaxies, g: complex | Complex[Array, " source"]
 ) -> Complex[Array, " source"]:
     if np.any(np.abs(g) >= 1):
-        raise InputError("a reduced shear has |g| >= 1; add_shear holds below 1")
+        raise InputError("a reduced shear has |g| >= 1; it must be below 1")
     return add_shear(galaxies.ellipticity, g)

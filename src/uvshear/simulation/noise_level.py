@@ -14,19 +14,19 @@ from uvshear.interferometer.spectral_window import Channels
 from uvshear.predict import predict_visibilities
 
 ROWS = 1_000_000
-"""Rows predicted at a time."""
+"""Number of rows that are predicted at a time."""
 
 
 @dataclass(frozen=True)
 class GalaxyNoise:
-    """Noise by what it makes of a galaxy.
+    """Noise at which a galaxy has a given signal-to-noise ratio.
 
     Parameters
     ----------
     flux
-        Of a round galaxy of the median size of its flux at the phase centre [Jy].
+        Flux of a round galaxy at the phase centre, of the median size for its flux [Jy].
     snr
-        Its S sqrt<m, m> with natural weights.
+        Its signal-to-noise ratio S sqrt<m, m> with natural weights.
     """
 
     flux: float = 10 * MICROJANSKY
@@ -35,7 +35,7 @@ class GalaxyNoise:
     def scaled_to(
         self, coverage: Coverage, channels: Channels, profile: Profile, executor: Executor = SERIAL
     ) -> ScaledNoise:
-        r"""Return the noise that does it on these baselines.
+        r"""Return the noise that gives this ratio on these baselines.
 
         .. math:: \sigma = \frac{1}{\mathrm{SNR}} \Big[\sum_k |V_k|^2\Big]^{1/2}
         """

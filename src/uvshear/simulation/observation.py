@@ -1,4 +1,4 @@
-"""A simulated observation: galaxies seen by an array, with noise."""
+"""A simulated observation: galaxies observed by an array, with noise."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -13,6 +13,7 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.attenuation import Attenuation, total_attenuation
 from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.noise import Noise
+from uvshear.interferometer.origin import Origin
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import stokes_i
 from uvshear.interferometer.visibilities import Integrations, Visibilities
@@ -21,10 +22,10 @@ from uvshear.predict.losses import Losses
 from uvshear.typing import Array, Complex, Float
 
 SAMPLES_PER_SLAB: Final = 2**18
-"""Visibilities whose noise comes from one stream of random numbers."""
+"""Number of visibilities whose noise comes from one stream of random numbers."""
 
 SLABS_PER_BLOCK: Final = 16
-"""Slabs predicted at once: 4 million visibilities, 64 MB."""
+"""Number of slabs that are predicted together: 4 million visibilities, 64 MB."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +35,11 @@ class CorrelationBlock:
     Parameters
     ----------
     first_row
-        Place of the block's first row in the coverage.
+        Index of the block's first row in the coverage.
     correlations
         The two parallel hands [Jy].
     sigma
-        Standard deviation of one real component of each [Jy].
+        Standard deviation of one real component of each hand [Jy].
     """
 
     first_row: int
@@ -51,29 +52,30 @@ class CorrelationBlock:
 
 @dataclass(frozen=True)
 class SimulatedObservation:
-    """What an array sees of a field; an Observation like a Measurement Set, block by block.
+    """Visibilities of galaxies, simulated block by block whenever they are read; an Observation like a Measurement Set.
 
     Parameters
     ----------
     coverage
-        Baselines.
+        Baselines and times.
     channels
         Frequencies.
     galaxies
-        The field, relative to the coverage's phase centre.
+        Galaxies at directions relative to the coverage's phase centre.
     profile
-        Of all galaxies.
+        Brightness profile of all galaxies.
     noise
-        Of the correlations.
+        Noise of the correlations.
     seed
-        Of the noise: the same seed gives the same noise, whatever the number of executor. None adds
-        no noise, and keeps the weights that it would have had.
+        Seed of the noise: the same seed gives the same noise, whatever the executor. None adds no noise, and keeps
+        the weights of the noise that is left out.
     executor
-        For :meth:`chunks`, which simulates anew at each reading.
+        Executor for :meth:`chunks`.
     is_averaged
-        Over channels and integrations, as a correlator does; else samples are of one frequency and moment.
+        Whether samples are averages over channels and integrations, as a correlator makes them; else they are taken
+        at one frequency and time.
     primary_beam
-        Of the dishes; none unless given.
+        Primary beam of the dishes; none unless given.
     """
 
     coverage: Coverage
@@ -91,14 +93,26 @@ class SimulatedObservation:
         """Direction of l = m = 0."""
         return self.coverage.phase_centre
 
+    def origin(self) -> Origin:
+        """Return the observation itself; its weights do not tell its noise if it has none."""
+        return Origin(self, "the simulated observation", weights_tell_noise=self.seed is not None)
+
+    def dish_diameters(self) -> Float[Array, " antenna"]:
+        """Return the diameter of each antenna's dish [m]; 0 where the layout does not tell it."""
+        return np.nan_to_num(self.coverage.layout.diameters, nan=0.0)
+
+    def pointing_direction(self) -> PhaseCentre:
+        """Return the phase centre, where all dishes point."""
+        return self.phase_centre
+
     @property
     def averaged_width(self) -> Float[Array, " chan"]:
-        """Of the channels, that was averaged over [Hz]."""
+        """Band that each channel is averaged over [Hz]; 0 where samples are taken at one frequency."""
         return self.channels.width if self.is_averaged else np.zeros(len(self.channels))
 
     @property
     def rows_per_slab(self) -> int:
-        """Rows that share a stream of random numbers; a matter of the number of channels alone."""
+        """Number of rows that share a stream of random numbers; it depends on the number of channels alone."""
         return max(1, SAMPLES_PER_SLAB // len(self.channels))
 
     def blocks(self, executor: Executor = SERIAL) -> Iterator[CorrelationBlock]:
@@ -122,7 +136,7 @@ class SimulatedObservation:
             yield CorrelationBlock(first_row, correlations, np.repeat(sigma[..., None], 2, axis=2))
 
     def chunks(self) -> Iterator[Visibilities]:
-        """Simulate Stokes I, as it would be read from the Measurement Set."""
+        """Simulate Stokes I as it would be read from a Measurement Set."""
         for block in self.blocks(self.executor):
             rows = slice(block.first_row, block.first_row + len(block))
             combined = stokes_i(
@@ -147,7 +161,7 @@ class SimulatedObservation:
 
     def _losses(self, rows: slice) -> Losses | None:
         centre = self.phase_centre
-        return Losses.of(
+        return Losses.from_attenuation(
             total_attenuation(centre.dec, self.primary_beam, smears=self.is_averaged),
             self.averaged_width,
             self._integrations(rows),

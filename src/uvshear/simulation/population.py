@@ -1,4 +1,4 @@
-"""Galaxies as a survey would find them, drawn from the distributions of flux, size and shape."""
+"""Galaxies as a survey would find them, drawn from distributions of flux, size and shape."""
 
 from dataclasses import dataclass, field
 
@@ -13,7 +13,7 @@ from uvshear.galaxy.size import SizeFluxRelation
 from uvshear.simulation.sky_region import SkyRegion
 
 PAPER_DENSITY = 2.7 / ARCMIN**2
-"""Galaxies between 10 and 200 uJy a steradian (Rivi & Miller 2018, section 3)."""
+"""Number of galaxies between 10 and 200 uJy per steradian (Rivi & Miller 2018, section 3)."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,11 @@ class Population:
     flux, size, ellipticity
         Distribution of the flux, of the scale length at a flux, and of abs(e).
     ring
-        Galaxies that share flux, scale length and abs(e), their e equally spaced on the circle, so
-        that the ring's mean e is 0 ("free of shape noise"); the paper has 10. Their positions are
-        independent. 1 is a population of independent galaxies.
+        Number of galaxies that share flux, scale length and abs(e), with e equally spaced on the circle, so that the
+        mean e of the ring is 0 ("free of shape noise"); the paper has 10. Their positions are independent. With 1 all
+        galaxies are independent.
     spectral_index
-        Of every galaxy.
+        Spectral index of every galaxy.
     """
 
     flux: PowerLawFlux = field(default_factory=PowerLawFlux)
@@ -44,16 +44,16 @@ class Population:
 
 
 def expected_number(sky: SkyRegion, density: float, *, ring: int = 1) -> int:
-    """Count galaxies of a density in a field, rounded to the nearest whole ring.
+    """Return the expected number of galaxies in a region, rounded to the nearest whole ring.
 
-    The expectation, not a Poisson draw: a repeated simulation keeps its size.
+    It is not drawn from a Poisson distribution, so that repeated simulations have the same size.
 
     Parameters
     ----------
     density
-        Galaxies a steradian.
+        Number of galaxies per steradian.
     ring
-        Galaxies a ring.
+        Number of galaxies in a ring.
     """
     return ring * round(density * sky.area / ring)
 
@@ -61,12 +61,12 @@ def expected_number(sky: SkyRegion, density: float, *, ring: int = 1) -> int:
 def draw_population(
     population: Population, sky: SkyRegion, *, number: int, rng: np.random.Generator
 ) -> Galaxies:
-    """Draw galaxies, those of a ring one after the other.
+    """Draw galaxies; the galaxies of a ring follow each other.
 
     Parameters
     ----------
     number
-        How many, whole rings; :func:`expected_number` gives it for a density.
+        Number of galaxies, a multiple of the ring; :func:`expected_number` gives it for a density.
     """
     rings, rest = divmod(number, population.ring)
     if rest:

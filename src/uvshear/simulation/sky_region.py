@@ -1,4 +1,4 @@
-"""The region of the sky over which simulated galaxies are strewn."""
+"""The region of the sky in which simulated galaxies are placed."""
 
 import math
 from abc import ABC, abstractmethod
@@ -15,7 +15,7 @@ class SkyRegion(ABC):
     @property
     @abstractmethod
     def area(self) -> float:
-        """Area in the (l, m) plane [sr]; the sky's is larger by 1/n, 4e-5 for a square degree."""
+        """Area in the (l, m) plane [sr]; the solid angle is larger by 1/n, 4e-5 for a square degree."""
 
     @abstractmethod
     def draw(
@@ -26,7 +26,7 @@ class SkyRegion(ABC):
 
 @dataclass(frozen=True)
 class SquareField(SkyRegion):
-    """Square of the given side [rad] along l and m."""
+    """Square with sides of this length [rad] along l and m."""
 
     side: float
 
@@ -45,7 +45,7 @@ class SquareField(SkyRegion):
 
 @dataclass(frozen=True)
 class DiscField(SkyRegion):
-    """Disc of the given radius [rad]."""
+    """Disc of this radius [rad]."""
 
     radius: float
 

@@ -1,4 +1,4 @@
-"""Small fields before a VLA, as the tests of visits take them: half a degree wide, two bands."""
+"""Small fields before a VLA, as the tests of major cycles take them: half a degree wide, two bands."""
 
 from dataclasses import dataclass, replace
 
@@ -6,13 +6,18 @@ import numpy as np
 
 from tests.skies import L_BAND, galaxies, vla
 from uvshear.constants import ARCSEC
-from uvshear.extraction.converged.major_cycle import Gridding, ModelledSky, gather_residuals
-from uvshear.extraction.converged.plan import VisitPlan, Wanted, plan_visit
+from uvshear.extraction.converged.major_cycle import gather_residuals
+from uvshear.extraction.converged.plan import (
+    FacetRequests,
+    MajorCyclePlan,
+    plan_major_cycle,
+)
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
+from uvshear.predict.gridded import Gridding, ModelledSky
 from uvshear.predict.response import Response
 
 PROFILE = Exponential()
@@ -34,11 +39,11 @@ MIXED = replace(SKY, spectral_index=np.array([-0.7, 0.2, -1.2, -0.7, 0.6]))
 
 
 @dataclass(frozen=True)
-class Visit:
-    """What is seen of a sky, and the plan of a visit."""
+class SmallField:
+    """Visibilities of a sky, and the plan of a major cycle."""
 
     seen: Visibilities
-    plan: VisitPlan
+    plan: MajorCyclePlan
     attenuation: Attenuation | None = None
 
     @property
@@ -62,18 +67,18 @@ class Visit:
         return gather_residuals(self.observation, self.plan, self.modelled(model), gridding)
 
     def modelled(self, model: Galaxies) -> ModelledSky:
-        response = Response.of(model, summarise(self.observation).probes, self.attenuation)
+        response = Response.from_sky(model, summarise(self.observation).probes, self.attenuation)
         return ModelledSky(model, np.full(len(model), HALF_WIDTH), response, PROFILE)
 
 
-def visit(
+def small_field(
     truth: Galaxies = SKY,
     frequency=L_BAND,
     shortest=0.0,
     rows=1500,
     centred: Galaxies | None = None,
-) -> Visit:
-    """See ``truth`` without noise on some rows of a VLA; facets are centred on ``centred``, truth unless given."""
+) -> SmallField:
+    """Observe ``truth`` without noise on some rows of a VLA; facets are centred on ``centred``, truth unless given."""
     uvw, _ = vla("b", samples=6)
     uvw = uvw[np.random.default_rng(4).permutation(len(uvw))[:rows]]
     vis = predict_visibilities(truth, uvw, frequency, PROFILE)
@@ -81,17 +86,14 @@ def visit(
     weights[::40] = 0
     centred = truth if centred is None else centred
     count = len(centred)
-    wanted = Wanted(centred.l, centred.m, np.full(count, WIDTH), np.full(count, LONGEST))
-    return Visit(Visibilities(uvw, frequency, vis, weights), plan_visit(wanted, shortest, LONGEST))
+    requests = FacetRequests(centred.l, centred.m, np.full(count, WIDTH), np.full(count, LONGEST))
+    plan = plan_major_cycle(requests, shortest, LONGEST)
+    return SmallField(Visibilities(uvw, frequency, vis, weights), plan)
 
 
 def nothing(sky: Galaxies = SKY) -> Galaxies:
     """The same galaxies without flux."""
     return replace(sky, flux=np.zeros(len(sky)))
-
-
-def one(sky: Galaxies, source: int) -> Galaxies:
-    return sky.select(slice(source, source + 1))
 
 
 def changed(sky: Galaxies, source: int, **parameters) -> Galaxies:

@@ -29,20 +29,20 @@ def _field(flux, uv_range):
     """Only what the choice looks at."""
     flux = np.asarray(flux) * MICROJANSKY
     count = len(flux)
-    extent = ObservationSummary(1, 1, uv_range.maximum, FREQUENCY, FREQUENCY, 1.0, NOBODY)
+    summary = ObservationSummary(1, 1, uv_range.maximum, FREQUENCY, FREQUENCY, 1.0, NOBODY)
     size = SizeFluxRelation().prior(flux)
     nowhere = np.zeros(count)
     sky = galaxies(nowhere, nowhere, flux, np.exp(size.log_median), nowhere + 0j)
     flags = np.full(count, FitFlag.OK, dtype=object)
     every = np.arange(count)
     return Field(
-        nowhere, nowhere, sky, size, every, flags, uv_range, extent, nowhere, nowhere, nowhere + 1
+        nowhere, nowhere, sky, size, every, flags, uv_range, summary, nowhere, nowhere, nowhere + 1
     )
 
 
 def _chosen(flux=(10.0, 50.0, 200.0), longest=5e5, shortest=None, uv_min=0.0, stars=False):
     field = _field(flux, UvRange(uv_min, longest))
-    return Baselines.of(field, np.full(len(flux), not stars), shortest)
+    return Baselines.from_field(field, np.full(len(flux), not stars), shortest)
 
 
 def test_the_galaxies_of_a_survey_need_no_baseline_below_3000_wavelengths():

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.extraction.converged.major_cycles import GRIDDING, LONGEST, MIXED, SKY, visit
+from tests.extraction.converged.major_cycles import GRIDDING, LONGEST, MIXED, SKY, small_field
 from tests.extraction.sources import PROFILE, scene
 from tests.reference import dirty, plane
 from tests.reference import visit as reference
@@ -18,11 +18,13 @@ from uvshear.extraction.converged.beams import (
     SPACING,
     WIDE_BAND,
     WIDE_SIZE,
+    BeamAccumulator,
+    BeamPlan,
     coarse_spectrum,
     directions,
     gather_beams,
 )
-from uvshear.extraction.converged.plan import Wanted, plan_visit
+from uvshear.extraction.converged.plan import FacetRequests, plan_major_cycle
 from uvshear.extraction.paper.exact import ExactFacets
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.predict.response import Response
@@ -30,21 +32,15 @@ from uvshear.predict.response import Response
 LM = np.column_stack([SKY.l, SKY.m])
 
 
-def _gather(one, sky=SKY, **gridding):
-    response = one.modelled(sky).response
-    return gather_beams(
-        one.observation,
-        LM,
-        (0.0, LONGEST),
-        one.plan.pixel,
-        response,
-        replace(GRIDDING, **gridding),
-    )
+def _gather(field, sky=SKY, **gridding):
+    response = field.modelled(sky).response
+    plan = BeamPlan.around(LM, 0.0, LONGEST, field.plan.pixel)
+    return gather_beams(field.observation, plan, response, replace(GRIDDING, **gridding))
 
 
 @pytest.fixture(scope="module")
 def one_channel():
-    return visit()
+    return small_field()
 
 
 @pytest.fixture(scope="module")
@@ -52,10 +48,10 @@ def beams(one_channel):
     return _gather(one_channel)
 
 
-def _direct_power(one, gain, direction):
-    cutout = one.plan.cutouts[0]
+def _direct_power(field, gain, direction):
+    cutout = field.plan.cutouts[0]
     square = reference.beam_square(
-        one.seen, gain, cutout.size, cutout.pixel, direction, (0.0, LONGEST)
+        field.seen, gain, cutout.size, cutout.pixel, direction, (0.0, LONGEST)
     )
     return plane.facet(square, cutout.pixel, cutout.uv, cutout.multiplicity).real
 
@@ -80,10 +76,10 @@ def test_power_at_a_source_is_nearly_that_of_the_nearest_direction(one_channel, 
 
 
 def test_power_of_several_channels_has_the_common_spectrum_squared():
-    one = visit(MIXED, np.array([1.05e9, 1.4e9]), rows=500)
+    field = small_field(MIXED, np.array([1.05e9, 1.4e9]), rows=500)
     nodes, nearest = directions(LM)
-    expected = _direct_power(one, (one.seen.frequency / 1.4e9) ** -0.7, nodes[nearest[0]])
-    got = _gather(one, MIXED).power(0, one.plan.cutouts[0])
+    expected = _direct_power(field, (field.seen.frequency / 1.4e9) ** -0.7, nodes[nearest[0]])
+    got = _gather(field, MIXED).power(0, field.plan.cutouts[0])
     assert _error(got, expected) < 1e-6  # measured 2e-7; the spectrum once, not squared: 0.1
 
 
@@ -93,12 +89,13 @@ def test_norms_are_those_of_exact_facets():
     exact = seen.facet(ExactFacets())
     galaxy = seen.galaxy
     longest = seen.target.informative_uv_max
-    wanted = Wanted(galaxy.l, galaxy.m, np.full(1, 4e-4), np.full(1, longest))
-    plan = plan_visit(wanted, 0.0, longest)
-    response = Response.of(galaxy)
+    requests = FacetRequests(galaxy.l, galaxy.m, np.full(1, 4e-4), np.full(1, longest))
+    plan = plan_major_cycle(requests, 0.0, longest)
+    response = Response.from_sky(galaxy)
     lm = np.column_stack([galaxy.l, galaxy.m])
     observation = VisibilitySet(vla("b")[1], (seen.seen,))
-    beams = gather_beams(observation, lm, (0.0, longest), plan.pixel, response, GRIDDING)
+    beam_plan = BeamPlan.around(lm, 0.0, longest, plan.pixel)
+    beams = gather_beams(observation, beam_plan, response, GRIDDING)
     norms = []
     for uv, power in (
         (exact.uv, exact.power),
@@ -175,3 +172,14 @@ def test_every_source_has_a_direction_within_half_the_spacing_and_every_directio
     nodes, nearest = directions(lm)
     assert np.all(np.abs(lm - nodes[nearest]) <= SPACING / 2 * (1 + 1e-9))
     np.testing.assert_array_equal(np.unique(nearest), np.arange(len(nodes)))
+
+
+def test_a_pass_in_two_parts_gives_the_beams_of_one(one_channel, beams):
+    plan = BeamPlan.around(LM, 0.0, LONGEST, one_channel.plan.pixel)
+    response = one_channel.modelled(SKY).response
+    first, later = (BeamAccumulator(plan, response, GRIDDING) for _ in range(2))
+    chunks = one_channel.in_pieces(2).blocks
+    first.add(chunks[0])
+    later.add(chunks[1])
+    first.merge(later)
+    np.testing.assert_array_equal(first.result().images, beams.images)

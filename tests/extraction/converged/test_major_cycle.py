@@ -1,33 +1,27 @@
-"""Visits of the visibilities against direct sums over them."""
+"""Facets of a major cycle against direct sums over the visibilities."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 
-from tests.extraction import visits
 from tests.extraction.converged.major_cycles import (
     GRIDDING,
     LONGEST,
     MIXED,
+    PROFILE,
     SKY,
+    WIDTH,
     changed,
     nothing,
-    visit,
+    small_field,
 )
 from tests.reference import visit as reference
 from uvshear.constants import ARCSEC
 from uvshear.execution import in_threads
-from uvshear.extraction.converged.major_cycle import (
-    blocks,
-    gather_residuals,
-    predict_samples,
-    slabs,
-)
-from uvshear.extraction.converged.plan import Wanted, plan_visit
+from uvshear.extraction.converged.major_cycle import ResidualAccumulator, gather_residuals
+from uvshear.extraction.converged.plan import FacetRequests, plan_major_cycle
 from uvshear.imaging import tiles
-from uvshear.interferometer.samples import Samples
 from uvshear.predict import predict_visibilities
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.template import Template
@@ -45,12 +39,12 @@ def _small_tiles():
 
 @pytest.fixture(scope="module")
 def one_channel():
-    return visit()
+    return small_field()
 
 
 @pytest.fixture(scope="module")
 def channels():
-    return visit(MIXED, CHANNELS, rows=500)
+    return small_field(MIXED, CHANNELS, rows=500)
 
 
 def _direct(seen, vis, model, plan, source, uv_range=(0.0, LONGEST)):
@@ -87,11 +81,11 @@ def test_facets_without_a_model_are_the_direct_dirty_images_at_their_places(one_
 
 def test_facets_of_one_wide_tile_are_the_direct_dirty_images_too(monkeypatch):
     monkeypatch.setattr(tiles, "CORE", 3072)
-    one = visit()
-    facets = one.residuals(nothing())
-    assert [len(band) for band in one.plan.tiles] == [1, 1]
+    field = small_field()
+    facets = field.residuals(nothing())
+    assert [len(band) for band in field.plan.tiles] == [1, 1]
     for source in (0, 2):
-        expected = _direct(one.seen, one.seen.stokes_i, SKY, one.plan, source)
+        expected = _direct(field.seen, field.seen.stokes_i, SKY, field.plan, source)
         assert _error(facets[source], expected) < 3e-5  # measured 1e-5: interpolation between bands
 
 
@@ -106,7 +100,7 @@ def test_what_a_wrong_model_leaves_is_the_direct_image_of_the_difference(one_cha
     model = changed(SKY, 1, flux=0.5, ellipticity=0.2 + 0.1j, l=SKY.l[1] + 5e-6)
     facets = one_channel.residuals(model)
     seen = one_channel.seen
-    left = seen.stokes_i - predict_visibilities(model, seen.uvw, seen.frequency, visits.PROFILE)
+    left = seen.stokes_i - predict_visibilities(model, seen.uvw, seen.frequency, PROFILE)
     for source in (1, 2):
         expected = _direct(seen, left, model, one_channel.plan, source)
         assert (
@@ -126,21 +120,6 @@ def test_channels_add_up_with_the_common_spectrum_as_matched_filter(channels):
     expected = _direct(channels.seen, channels.seen.stokes_i, MIXED, channels.plan, 1)
     # without the filter: 0.1
     assert _error(facets[1], expected) < 4e-5
-
-
-@pytest.mark.parametrize("case", ["one_channel", "channels"])
-def test_samples_of_a_band_are_the_direct_sum_over_galaxies(case, request):
-    one = request.getfixturevalue(case)
-    sky = SKY if case == "one_channel" else MIXED
-    exact = predict_visibilities(sky, one.seen.uvw, one.seen.frequency, visits.PROFILE)
-    for band, on_sky in zip(one.plan.bands, one.plan.tiles, strict=True):
-        samples = Samples.from_visibilities(
-            one.seen.with_stokes_i(exact), band.shortest, band.longest
-        )
-        got = predict_samples(samples, on_sky, band, one.modelled(sky), GRIDDING)
-        assert len(samples) > 100
-        # measured 2e-5 of the summed flux
-        np.testing.assert_allclose(got, samples.stokes_i, rtol=0, atol=6e-5 * sky.flux.sum())
 
 
 @pytest.mark.parametrize("threads", [2, 3])
@@ -172,11 +151,11 @@ def test_the_block_held_in_memory_hardly_changes_the_facets(one_channel):
 def test_baselines_below_the_least_take_no_part(monkeypatch):
     monkeypatch.setattr(tiles, "CORE", 3072)
     shortest = 0.2 * LONGEST
-    one = visit(shortest=shortest, rows=800)
-    facets = one.residuals(nothing())
-    cells = one.plan.cutouts[0]
+    field = small_field(shortest=shortest, rows=800)
+    facets = field.residuals(nothing())
+    cells = field.plan.cutouts[0]
     assert np.hypot(*cells.uv.T).min() >= shortest
-    expected = _direct(one.seen, one.seen.stokes_i, SKY, one.plan, 0, (shortest, LONGEST))
+    expected = _direct(field.seen, field.seen.stokes_i, SKY, field.plan, 0, (shortest, LONGEST))
     assert _error(facets[0], expected) < 6e-5  # measured 2e-5; the shortest baselines: 1
 
 
@@ -184,8 +163,8 @@ def test_without_the_longest_baselines_facets_are_cut_from_coarser_images(one_ch
     whole = one_channel.plan
     reach = whole.bands[0].shortest
     count = len(SKY)
-    wanted = Wanted(SKY.l, SKY.m, np.full(count, visits.WIDTH), np.full(count, LONGEST))
-    plan = plan_visit(wanted, 0.0, reach, LONGEST)
+    requests = FacetRequests(SKY.l, SKY.m, np.full(count, WIDTH), np.full(count, LONGEST))
+    plan = plan_major_cycle(requests, 0.0, reach, LONGEST)
     assert (whole.top, plan.top) == (0, 1)
     assert plan.pixel == whole.pixel
     facets = gather_residuals(
@@ -197,10 +176,10 @@ def test_without_the_longest_baselines_facets_are_cut_from_coarser_images(one_ch
             one_channel.seen, one_channel.seen.stokes_i, SKY, plan, source, (0.0, reach)
         )
         # Sharp edges differ on coarser pixels, and a galaxy in the middle of the square does not see them.
-        model = Template(plan.cutouts[source].uv, visits.PROFILE).model(
+        model = Template(plan.cutouts[source].uv, PROFILE).model(
             GalaxyFit(1.0, np.array([2e-6, -3e-6]), 0.3 + 0.2j, 2 * ARCSEC, 1.0)
         )
-        got, true = (np.sum((one * model.conj()).real) for one in (facets[source], expected))
+        got, true = (np.sum((facet * model.conj()).real) for facet in (facets[source], expected))
         assert got == pytest.approx(true, rel=3e-4)  # a pixel aside: 0.3
 
 
@@ -221,24 +200,13 @@ def test_the_work_reported_is_the_same_whatever_the_threads(one_channel):
     assert work(2) == steps
 
 
-@pytest.mark.parametrize("size", [1, 137, 1500, 10_000])
-def test_blocks_are_of_the_size_asked_for_but_the_last(one_channel, size):
-    rows = 60 if size == 1 else 1500
-    part = one_channel.in_pieces(1500 // rows).blocks[0]
-    observation = replace(one_channel.observation, blocks=(part,))
-    held = list(blocks(observation, 0.0, LONGEST, size))
-    assert all(len(block) == size for block in held[:-1])
-    assert 0 < len(held[-1]) <= size
-    joined, whole = Samples.join(held), Samples.from_visibilities(part, 0.0, LONGEST)
-    np.testing.assert_array_equal(joined.uvw, whole.uvw)
-    np.testing.assert_array_equal(joined.stokes_i, whole.stokes_i)
-
-
-@pytest.mark.parametrize("samples", [0, 1, 2**21, 2**21 + 1, 5 * 2**21 + 3])
-def test_slabs_divide_the_samples_evenly(samples):
-    parts = slabs(samples)
-    lengths = [part.stop - part.start for part in parts]
-    assert sum(lengths) == samples
-    assert max(lengths) <= 2**21
-    assert max(lengths) - min(lengths) <= 1
-    assert all(a.stop == b.start for a, b in pairwise(parts))
+def test_a_pass_in_two_parts_gives_the_facets_of_one(one_channel):
+    model = one_channel.modelled(changed(SKY, 1, flux=0.5))
+    whole = gather_residuals(one_channel.observation, one_channel.plan, model, GRIDDING)
+    first, later = (ResidualAccumulator(one_channel.plan, model, GRIDDING) for _ in range(2))
+    chunks = one_channel.in_pieces(2).blocks
+    first.add(chunks[0])
+    later.add(chunks[1])
+    first.merge(later)
+    for facet, expected in zip(first.result(), whole, strict=True):
+        np.testing.assert_array_equal(facet, expected)

@@ -1,13 +1,13 @@
-"""Visits of smeared visibilities behind primary beams, against the direct sum."""
+"""Facets of smeared visibilities behind primary beams, against the direct sum."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.extraction.converged.major_cycles import GRIDDING, MIXED, PROFILE, nothing, visit
+from tests.extraction.converged.major_cycles import GRIDDING, MIXED, PROFILE, nothing, small_field
 from tests.skies import vla
-from uvshear.extraction.converged.beams import gather_beams
+from uvshear.extraction.converged.beams import BeamPlan, gather_beams
 from uvshear.imaging import tiles
 from uvshear.interferometer.attenuation import BandwidthSmearing, CombinedAttenuation, TimeSmearing
 from uvshear.interferometer.primary_beam import AiryBeam
@@ -35,7 +35,7 @@ def _small_tiles():
 
 @pytest.fixture(scope="module")
 def smeared():
-    bare = visit(MIXED, CHANNELS, rows=600)
+    bare = small_field(MIXED, CHANNELS, rows=600)
     count = len(bare.seen)
     taken = Integrations(np.zeros((count, 2), int), np.zeros(count), np.full(count, 60.0))
     losses = Losses(ATTENUATION, WIDTH, taken)
@@ -66,9 +66,8 @@ def test_a_facet_is_its_galaxy_behind_the_beam_that_it_takes(smeared):
     facet = alone.residuals(nothing(MIXED))[1]
     response = smeared.modelled(MIXED).response
     plan, lm = smeared.plan, np.column_stack([MIXED.l, MIXED.m])
-    beams = gather_beams(
-        smeared.observation, lm, (plan.shortest, plan.longest), plan.pixel, response, GRIDDING
-    )
+    beam_plan = BeamPlan.around(lm, plan.shortest, plan.longest, plan.pixel)
+    beams = gather_beams(smeared.observation, beam_plan, response, GRIDDING)
     cells = plan.cutouts[1]
     model = predict_visibilities(
         replace(sky, l=0 * sky.l, m=0 * sky.m, spectral_index=0 * sky.l),

@@ -4,9 +4,11 @@ import pytest
 from tests.extraction.sources import ALPHA, PROFILE, part
 from tests.skies import L_BAND, galaxies, vla
 from uvshear.execution import in_threads
+from uvshear.extraction.paper.cell_average import CellAverageFacets
 from uvshear.extraction.paper.exact import ExactFacets
-from uvshear.extraction.paper.facet_gathering import gather_facets, subtract_sky
+from uvshear.extraction.paper.facet_gathering import FacetAccumulator, subtract_sky
 from uvshear.extraction.paper.facets import Target
+from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict import predict_visibilities
@@ -25,18 +27,16 @@ def _observation(pieces):
 
 def _facets(pieces, threads, on_chunk=None):
     members = np.array([0, 2])
-    targets = [Target(SKY.select(np.array([k])), ALPHA, UvRange(0.0, 5e4), 1.4e9) for k in members]
-    builders = [ExactFacets().open(target, PROFILE) for target in targets]
-    gather_facets(
-        _observation(pieces),
-        SKY,
-        builders,
-        members,
-        PROFILE,
-        executor=in_threads(threads),
-        on_chunk=on_chunk,
+    gathering = FacetAccumulator(
+        SKY, _builders(members), members, PROFILE, in_threads(threads), on_chunk
     )
-    return [b.facet(SKY.select(np.array([k]))) for b, k in zip(builders, members, strict=True)]
+    (facets,) = accumulate(_observation(pieces), [gathering])
+    return facets
+
+
+def _builders(members):
+    targets = [Target(SKY.select(np.array([k])), ALPHA, UvRange(0.0, 5e4), 1.4e9) for k in members]
+    return [ExactFacets().open(target, PROFILE) for target in targets]
 
 
 def test_the_true_sky_leaves_nothing():
@@ -47,9 +47,9 @@ def test_the_true_sky_leaves_nothing():
 
 
 def test_threads_change_no_bit_of_a_facet():
-    for one, other in zip(_facets(3, 1), _facets(3, 3), strict=True):
-        np.testing.assert_array_equal(one.correlation, other.correlation)
-        np.testing.assert_array_equal(one.power, other.power)
+    for alone, together in zip(_facets(3, 1), _facets(3, 3), strict=True):
+        np.testing.assert_array_equal(alone.correlation, together.correlation)
+        np.testing.assert_array_equal(alone.power, together.power)
 
 
 def test_every_chunk_is_reported():
@@ -61,14 +61,24 @@ def test_every_chunk_is_reported():
 
 def test_a_builder_without_a_member_is_a_mistake():
     with pytest.raises(ValueError, match="zip"):
-        gather_facets(
-            _observation(1),
-            SKY,
-            [
-                ExactFacets().open(
-                    Target(SKY.select(slice(0, 1)), ALPHA, UvRange(0.0, 5e4), 1.4e9), PROFILE
-                )
-            ],
-            np.array([0, 1]),
-            PROFILE,
-        )
+        FacetAccumulator(SKY, _builders([0]), np.array([0, 1]), PROFILE)
+
+
+@pytest.mark.parametrize("method", [ExactFacets(), CellAverageFacets()], ids=type)
+def test_a_pass_in_two_parts_gives_the_facets_of_one(method):
+    members = np.array([0, 2])
+    targets = [Target(SKY.select(np.array([k])), ALPHA, UvRange(0.0, 5e4), 1.4e9) for k in members]
+
+    def gathering():
+        builders = [method.open(target, PROFILE) for target in targets]
+        return FacetAccumulator(SKY, builders, members, PROFILE)
+
+    (whole,) = accumulate(_observation(2), [gathering()])
+    first, later = gathering(), gathering()
+    chunks = _observation(2).blocks
+    first.add(chunks[0])
+    later.add(chunks[1])
+    first.merge(later)
+    for facet, expected in zip(first.result(), whole, strict=True):
+        np.testing.assert_allclose(facet.correlation, expected.correlation, rtol=1e-6, atol=1e-20)
+        np.testing.assert_allclose(facet.power, expected.power, rtol=1e-6, atol=1e-6)

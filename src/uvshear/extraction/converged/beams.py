@@ -188,7 +188,7 @@ class BeamAccumulator(BlockAccumulator[Beams]):
             node, rows = task
             # Phased to the direction itself a beam has its centre there.
             plane = TangentPlane.at(samples.uvw[rows], *plan.nodes[node])
-            left = response.aside(samples.select(rows), *plan.nodes[node].tolist())
+            left = response.matched_filter(samples.select(rows), *plan.nodes[node].tolist())
             beam = plane.beam(unit[rows] * left**2, SIZE, plan.pixel, gridding.epsilon)
             return node, beam, len(plane.phase)
 

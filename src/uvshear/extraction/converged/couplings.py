@@ -14,7 +14,7 @@ from uvshear.execution import Executor
 from uvshear.extraction.converged.interaction import Interaction
 from uvshear.galaxy import Profile
 from uvshear.shapes.measurement import GalaxyFit
-from uvshear.shapes.normal_equations import couplings as coupling_blocks
+from uvshear.shapes.normal_equations import fisher_blocks
 from uvshear.shapes.template import PARAMETERS
 from uvshear.typing import Array, Float, Int
 
@@ -90,7 +90,7 @@ def couple(
         own, others = task
         centre = place[own[0]]
         members = own + others
-        blocks = coupling_blocks(
+        blocks = fisher_blocks(
             [tuple(place[k] - centre) for k in members],
             [fits[k] for k in members],
             profile,

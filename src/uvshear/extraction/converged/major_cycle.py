@@ -193,7 +193,7 @@ def _images(
     def image(task: tuple[Tile, slice]) -> Float[Array, "l m"]:
         tile, rows = task
         centre = tile.centre(band.pixel)
-        filtered = weighted[rows] * response.aside(samples.select(rows), *centre)
+        filtered = weighted[rows] * response.matched_filter(samples.select(rows), *centre)
         plane = TangentPlane.at(samples.uvw[rows], *centre)
         return plane.image(filtered, tile.size, band.pixel, gridding.epsilon)
 

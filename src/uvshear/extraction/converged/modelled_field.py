@@ -57,7 +57,7 @@ class ModelledField:
     def from_field(cls, field: Field, model: Model, declination: float) -> Self:
         """Apply what is believed of the sources of a field at this declination [rad]."""
         sky = field.sky.select(field.modelled)
-        response = Response.of(sky, field.summary.probes, model.attenuation(declination))
+        response = Response.from_sky(sky, field.summary.probes, model.attenuation(declination))
         strength = response.strengths(sky)
         median = np.exp(field.size.log_median[field.modelled])
         sources = tuple(

@@ -11,7 +11,8 @@ from uvshear.extraction.converged.neighbour_marginalisation import (
     marginalise_all,
 )
 from uvshear.extraction.converged.sky_state import SkyState
-from uvshear.shapes.measurement import FitFlag, ShapeMeasurement, inflated
+from uvshear.shapes.measurement import FitFlag, ShapeMeasurement
+from uvshear.shapes.neighbours import with_neighbours_marginalised
 from uvshear.shapes.residual_significance import SIGNIFICANT, residual_significance
 from uvshear.shapes.shape import measure_shape
 
@@ -51,7 +52,7 @@ def _measure(
         prior.measured,
         profile,
         fit if fit.snr > 0 else None,
-        share=fraction * weight_correction,
+        information_fraction=fraction * weight_correction,
     )
     if shape.flag is FitFlag.OK:
         size = math.exp(prior.log_scale_length)
@@ -61,7 +62,7 @@ def _measure(
         return shape
     conditional = neighbours.conditional / weight_correction
     marginal = neighbours.marginal / weight_correction
-    return inflated(shape, conditional, marginal, neighbours.shift, fraction)
+    return with_neighbours_marginalised(shape, conditional, marginal, neighbours.shift, fraction)
 
 
 def _in_catalogue_flux(

@@ -124,7 +124,7 @@ class SequentialPass:
     def _measure(self, source: int, facet: Facet, start: GalaxyFit | None) -> ShapeMeasurement:
         prior, profile = self._prior(source), self.setting.model.profile
         correction = float(self.field.weight_correction[source])
-        return measure_shape(facet, prior, profile, start, share=correction)
+        return measure_shape(facet, prior, profile, start, information_fraction=correction)
 
     def _prior(self, source: int) -> ShapePrior:
         model = self.setting.model

@@ -1,0 +1,35 @@
+"""Which visibilities of a file are read, and how."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Reading:
+    """Which visibilities of a file are read, and how; a reader refuses what its format does not have.
+
+    Parameters
+    ----------
+    column
+        Column of visibilities.
+    field
+        Number or name of the field; needed only where there are several.
+    scans
+        Numbers of the scans to read; all unless given.
+    heeds_flags
+        Whether flagged visibilities are left out.
+    conjugates
+        Whether UVW is taken with the opposite sign.
+    subtracted
+        Column of a model that is subtracted from the visibilities.
+    reader
+        Reader of the format, or its registered name, or ``MODULE:NAME``; the first that recognises the file unless
+        given.
+    """
+
+    column: str = "DATA"
+    field: int | str | None = None
+    scans: tuple[int, ...] | None = None
+    heeds_flags: bool = True
+    conjugates: bool = False
+    subtracted: str | None = None
+    reader: object = None

@@ -1,0 +1,32 @@
+"""Executors by number of workers."""
+
+import pytest
+
+from uvshear.execution import (
+    Processes,
+    Serial,
+    Threads,
+    available_cores,
+    cores,
+    in_processes,
+    in_threads,
+)
+
+
+def test_one_worker_is_serial() -> None:
+    assert in_threads(1) == in_processes(1) == Serial()
+
+
+def test_more_workers_are_threads_or_processes() -> None:
+    assert in_threads(3) == Threads(3)
+    assert in_processes(3) == Processes(3)
+
+
+def test_zero_stands_for_all_cores(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cores, "available_cores", lambda: 5)
+    assert in_threads() == Threads(5)
+    assert in_processes() == Processes(5)
+
+
+def test_there_is_a_core() -> None:
+    assert available_cores() >= 1

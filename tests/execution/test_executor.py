@@ -1,0 +1,73 @@
+"""What every executor promises."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.execution import tasks as work
+from uvshear.execution import Executor, Processes, Serial, Threads
+
+EXECUTORS = [Serial(), Threads(1), Threads(2), Threads(3), Processes(2)]
+each = pytest.mark.parametrize("executor", EXECUTORS, ids=repr)
+
+
+@pytest.mark.parametrize("executor", EXECUTORS[:-1], ids=repr)
+@settings(deadline=None, max_examples=20)
+@given(st.lists(st.integers(), max_size=12))
+def test_results_are_those_of_a_loop(executor: Executor, tasks: list[int]) -> None:
+    expected = [3 * task + 1 for task in tasks]
+    assert list(executor.map(lambda task: 3 * task + 1, tasks)) == expected
+    assert list(executor.distribute(work.affine, 3, tasks)) == expected
+
+
+@each
+def test_results_come_in_the_order_of_the_tasks(executor: Executor) -> None:
+    assert list(executor.map(lambda task: task**2, range(9))) == [task**2 for task in range(9)]
+    assert list(executor.distribute(work.affine, 5, range(9))) == [
+        5 * task + 1 for task in range(9)
+    ]
+
+
+@each
+def test_there_may_be_no_task(executor: Executor) -> None:
+    assert list(executor.map(str, [])) == []
+    assert list(executor.distribute(work.affine, 1, [])) == []
+
+
+@each
+def test_an_error_reaches_the_caller_after_the_results_before_it(executor: Executor) -> None:
+    for results in (
+        executor.map(lambda task: 1 // task, [1, 0, 1]),
+        executor.distribute(work.inverse, 1, [1, 0, 1]),
+    ):
+        assert next(results) == 1
+        with pytest.raises(ZeroDivisionError):
+            next(results)
+
+
+@each
+def test_all_executors_agree_bit_by_bit(executor: Executor) -> None:
+    shared = np.random.default_rng(1).normal(size=10_001)
+    expected = [work.own_sum(shared, task) for task in range(5)]
+    assert list(executor.map(lambda task: work.own_sum(shared, task), range(5))) == expected
+    assert list(executor.distribute(work.own_sum, shared, range(5))) == expected
+
+
+@pytest.mark.parametrize("executor", EXECUTORS, ids=repr)
+def test_at_most_one_task_more_than_the_workers_is_begun_ahead(executor: Executor) -> None:
+    begun = []
+
+    def tasks():
+        for task in range(12):
+            begun.append(task)
+            yield task
+
+    for results in (
+        executor.map(lambda task: task, tasks()),
+        executor.distribute(work.affine, 1, tasks()),
+    ):
+        begun.clear()
+        ahead = [len(begun) - count for count, _ in enumerate(results, start=1)]
+        # Large tasks wait in memory: without a bound all twelve of them would.
+        assert max(ahead) <= (0 if isinstance(executor, Serial) else executor.workers + 1)
