@@ -8,8 +8,13 @@ import pytest
 from tests.estimators.test_evidence import FLUX, POPULATION, Toy
 from uvshear.errors import InputError
 from uvshear.estimators.evidence import evidence_and_gradient
-from uvshear.estimators.population_fit import LIKENESS, fit_population, moved
-from uvshear.galaxy import DiscEllipticityPrior, SizeFluxRelation
+from uvshear.estimators.population_fit import (
+    LIKENESS,
+    FittedPopulation,
+    fit_population,
+    moved,
+)
+from uvshear.galaxy import DiscEllipticityPrior, FlatEllipticityPrior, SizeFluxRelation
 from uvshear.geometry.ellipticity import add_shear
 from uvshear.progress import Meter
 
@@ -96,3 +101,36 @@ def test_few_galaxies_are_no_population():
     likelihoods = toy_likelihoods(5, np.random.default_rng(4))
     with pytest.raises(InputError, match="40 or more"):
         fit_population(_behind(likelihoods), POPULATION)
+
+
+def test_the_record_has_the_errors_of_what_was_fitted():
+    covariance = np.diag([0.02, 0.05, 0.1, 0.2]) ** 2
+    record = FittedPopulation(TRUE, covariance).record()
+    assert record["size"]["intercept_err"] == pytest.approx(0.02)
+    assert record["size"]["sigma_err"] == pytest.approx(0.05 * 0.4)
+    assert record["ellipticity"]["c_err"] == pytest.approx(0.1 * 0.35)
+    assert record["ellipticity"]["e0_err"] == pytest.approx(0.2 * 0.12)
+
+
+def test_ellipticities_of_another_kind_stay_and_have_no_errors():
+    flat = replace(TRUE, ellipticity=FlatEllipticityPrior())
+    fitted = FittedPopulation(flat, np.eye(2)).record()
+    assert set(fitted) == {"flux", "size"}
+    assert set(fitted["size"]) == {"intercept", "slope", "sigma", "intercept_err", "sigma_err"}
+    assert moved(flat, np.array([0.1, 0.2])).ellipticity is flat.ellipticity
+
+
+def test_each_galaxy_is_behind_a_shear_of_its_own():
+    """In the frame of (l, m) one shear of the sky differs from source to source."""
+    rng = np.random.default_rng(4)
+    halves = [toy_likelihoods(30, rng, g) for g in (0.15 + 0j, -0.15 + 0j)]
+    right = [*_behind(halves[0], 0.15 + 0j), *_behind(halves[1], -0.15 + 0j)]
+    wrong = [(likelihood, -g) for likelihood, g in right]
+
+    def probability(pairs):
+        return sum(evidence_and_gradient(each, TRUE, g)[0] for each, g in pairs)
+
+    assert probability(right) > probability(wrong)
+    right, wrong = (fit_population(pairs, POPULATION).population for pairs in (right, wrong))
+    # galaxies behind a shear of the wrong sign seem to be rounder or more elliptical than they are
+    assert abs(right.ellipticity.e0 / wrong.ellipticity.e0 - 1) > 0.1
