@@ -22,8 +22,8 @@ def test_the_bias_of_moments_is_told_and_written(uvshear: Callable, tmp_path: Pa
     assert abs(record["m1"]) < 0.005
     assert record["m1_err"] < 0.003
     assert abs(record["c1"]) < 5e-4
-    assert sum(one["n"] for one in record["bins"]) == record["n"] < 100
-    assert [one["flux"] for one in record["bins"]] == [
+    assert sum(part["n"] for part in record["bins"]) == record["n"] < 100
+    assert [part["flux"] for part in record["bins"]] == [
         "10-20 uJy",
         "20-50 uJy",
         "50-200 uJy",
@@ -37,13 +37,14 @@ def test_the_bias_of_moments_is_told_and_written(uvshear: Callable, tmp_path: Pa
         (["--shear", "1.5"], "--shear 1.5: |g| below 1 is needed"),
         (["--layout", "no-such-array"], "no-such-array"),
         (["--position-error-arcsec", "3"], "allow for errors up to"),
-        (["--facet", "cell-average"], "is for the paper's mean, not moments"),
-        (["--prior", "fitted"], "moments has no prior; bayesian has"),
-        (["--prior", "population.json"], "moments has no prior; bayesian has"),
+        (["--facet", "cell-average"], "--estimator moments: the paper's facets are for"),
+        (["--prior", "fitted"], "--prior fitted: --estimator moments has no prior; bayesian has"),
+        (["--prior", "population.json"], "--estimator moments has no prior; bayesian has"),
         (
             ["--wraps", "bayesian", "--prior", "fitted"],
-            "--wraps bayesian: is for --estimator metacal",
+            "--wraps bayesian: --estimator moments wraps no other estimator; metacal does",
         ),
+        (["--profile", "square"], "--profile square: 'square' is not a known profile"),
     ],
 )
 def test_a_wrong_call_is_one_line(
@@ -62,8 +63,11 @@ def test_a_wrong_call_is_one_line(
     [
         ("metacal", "--selection measured", "another than that of the shapes"),
         ("metacal", "--density 3 --wraps moments", "--wraps: is for galaxies alone"),
-        ("metacal", "--prior fitted", "mean has no prior"),
-        ("mean", "--facet cell-average --shear 0", "its cells do not turn; give a shear"),
+        ("metacal", "--prior fitted", "--estimator metacal has no prior"),
+        ("metacal", "--wraps moments --prior fitted", "--wraps moments has no prior"),
+        ("metacal", "--wraps spin", "--wraps spin: 'spin' is not a known estimator"),
+        ("mean", "--facet cell-average --shear 0", "cannot be turned; give a shear"),
+        ("spin", "", "--estimator spin: 'spin' is not a known estimator; mean, moments, bayesian,"),
     ],
 )
 def test_what_would_not_be_heeded_is_refused(

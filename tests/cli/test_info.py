@@ -30,14 +30,14 @@ def test_wrong_weights_are_remarked_on(uvshear: Callable, tmp_path: Path) -> Non
     change(path, "WEIGHT_SPECTRUM", 1e-3)
     outcome = uvshear("info", path)
     assert outcome.status == 0
-    assert "times what the weights say" in outcome.err
+    assert "times what the weights claim" in outcome.err
 
 
 def test_what_is_no_set_ends_with_one_line(uvshear: Callable, tmp_path: Path) -> None:
     outcome = uvshear("info", tmp_path)
     assert outcome.status == 2
     assert outcome.err.count("\n") == 1
-    assert "not a Measurement Set" in outcome.err
+    assert "not in a known format of visibilities" in outcome.err
 
 
 def test_scans_are_numbers_and_ranges() -> None:

@@ -20,7 +20,7 @@ def statistics_path(shapes: Path) -> Path:
 def statistics_table(
     shapes: Table, estimators: Sequence[Statistic], kept: Mapping[int, Kept]
 ) -> Table:
-    """Table of what was kept for estimators: one row for every row of the shapes, NaN or an empty array where nothing is.
+    """Table of what was kept for estimators, a row for every row of the shapes; NaN or an empty array where nothing is.
 
     Parameters
     ----------
