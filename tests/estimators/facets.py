@@ -14,7 +14,14 @@ FLUX = 5e-5
 
 
 def source_facet(
-    longest=100e3, *, e=0.3 - 0.1j, alpha=ARCSEC, noise=1.0, name=(1, 2), flux=FLUX, shift=(0.0, 0.0)
+    longest=100e3,
+    *,
+    e=0.3 - 0.1j,
+    alpha=ARCSEC,
+    noise=1.0,
+    name=(1, 2),
+    flux=FLUX,
+    shift=(0.0, 0.0),
 ):
     """A galaxy of SNR 300 or so; the array ends at ``longest`` [wavelengths], the noise may be scaled."""
     width = 45 * ARCSEC
