@@ -25,7 +25,7 @@ from slopes import slope_figures
 
 import uvshear
 from uvshear.constants import ARCSEC, MICROJANSKY
-from uvshear.diagnostics.slope import fit_slope
+from uvshear.diagnostics.slope import fit_slope, population_weights
 from uvshear.execution import Executor, in_threads
 from uvshear.extraction.converged.beams import BeamPlan, gather_beams
 from uvshear.extraction.converged.major_cycle import gather_residuals
@@ -204,7 +204,7 @@ def figures(galaxies: Galaxies, table: Table, chosen: np.ndarray) -> dict[str, f
         measured, error = np.array(table[name])[chosen], np.array(table[f"{name}_err"])[chosen]
         difference.append(measured - part)
         pulls.append((measured - part) / error)
-        slope = fit_slope(part, measured, error)
+        slope = fit_slope(part, measured, error, population_weights)
         row |= {f"slope_{name}": slope.value, f"slope_{name}_err": slope.error}
     pull = np.concatenate(pulls)
     return row | {

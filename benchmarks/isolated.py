@@ -17,7 +17,7 @@ from survey import FREQUENCY, PHASE_CENTRE
 
 import uvshear
 from uvshear.constants import MICROJANSKY
-from uvshear.diagnostics.slope import fit_slope
+from uvshear.diagnostics.slope import fit_slopes
 from uvshear.execution import in_processes
 from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable, ScaleLengths
 from uvshear.extraction.paper.exact import ExactFacets
@@ -122,7 +122,8 @@ def report(true: np.ndarray, rows: list[tuple]) -> None:
     parts = zip(("e1", "e2"), (np.real, np.imag), errors, strict=True)
     for name, part, error in parts:
         x, y = part(true), part(measured)
-        weighted, plain = fit_slope(x, y, error), fit_slope(x, y)
+        slopes = fit_slopes(x, y, error)
+        weighted, plain = slopes.population, slopes.unweighted
         difference, large = y - x, np.abs(true) > 0.5
         pull = difference / error
         print(

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from astropy.table import Table
 
 from tests.skies import galaxies, vla
 from uvshear.constants import ARCSEC
@@ -14,6 +15,7 @@ from uvshear.interferometer.visibilities import Observation, Visibilities, Visib
 from uvshear.io.catalogue import Catalogue, catalogue_from_galaxies
 from uvshear.pipeline.field import field_of_catalogue
 from uvshear.predict import predict_visibilities
+from uvshear.shapes.measurement import ShapeMeasurement
 
 FREQUENCY = np.array([1.4e9])
 SIZES = np.array([2.2, 2.0]) * ARCSEC
@@ -58,3 +60,28 @@ def extract(
     """Extract the sources of a catalogue."""
     field = field_of(observation, catalogue, options)
     return options.method.extraction.extract(observation, field, options.setting, progress)
+
+
+def measure(
+    observation: Observation, catalogue: Catalogue, options: MeasurementOptions = OPTIONS
+) -> Table:
+    """Extract the sources of a catalogue; return their shapes, one row a source, and the record."""
+    flags = field_of(observation, catalogue, options).flags
+    extracted = extract(observation, catalogue, options)
+    shapes = [
+        extracted.measurements.get(source, ShapeMeasurement.failed(flag))
+        for source, flag in enumerate(flags)
+    ]
+    covariance = np.array([shape.covariance for shape in shapes])
+    columns = {
+        "e1": [shape.ellipticity[0] for shape in shapes],
+        "e2": [shape.ellipticity[1] for shape in shapes],
+        "e1_err": np.sqrt(covariance[:, 0, 0]),
+        "e2_err": np.sqrt(covariance[:, 1, 1]),
+        "flux_fit": [shape.flux for shape in shapes],
+        "flux_fit_err": [shape.flux_err for shape in shapes],
+        "dl": [shape.offset[0] for shape in shapes],
+        "snr": [shape.snr for shape in shapes],
+        "flag": [shape.flag.word for shape in shapes],
+    }
+    return Table(columns, meta=dict(extracted.record))

@@ -1,22 +1,59 @@
+from dataclasses import dataclass
+from typing import ClassVar
+
 import pytest
 
 from uvshear.errors import InputError
-from uvshear.extraction import MeasurementOptions
-from uvshear.extraction.options import default_extraction
+from uvshear.extraction import (
+    ConvergedExtraction,
+    MeasurementOptions,
+    Method,
+    PaperExtraction,
+)
+from uvshear.interferometer.weighting import RoundPsf
+from uvshear.shapes.source_facet import Column
 
 
-def test_memory_is_half_of_the_machines_unless_told():
-    with open("/proc/meminfo") as lines:
-        kilobytes = int(next(line for line in lines if line.startswith("MemTotal")).split()[1])
-    assert MeasurementOptions().memory == pytest.approx(512 * kilobytes, rel=0.01)
-    assert MeasurementOptions(memory=1e9).memory == 1e9
+@dataclass(frozen=True)
+class Norm:
+    """A statistic of a user's own."""
+
+    columns: ClassVar = {"norm": Column("sum of the power")}
+
+    def statistic(self, source):
+        return {"norm": float(source.facet.power.sum())}
 
 
-@pytest.mark.parametrize("memory", [0.0, -1.0, float("nan")])
-def test_no_memory_is_an_error(memory):
-    with pytest.raises(InputError, match="more than 0"):
-        MeasurementOptions(memory=memory)
+@dataclass(frozen=True)
+class Nothing:
+    """A statistic that keeps nothing, for the table of shapes has all that it needs."""
+
+    columns: ClassVar = {}
+
+    def statistic(self, source):
+        return None
 
 
-def test_the_extraction_is_the_default_unless_told():
-    assert MeasurementOptions().extraction == default_extraction()
+def test_the_extraction_is_the_converged_one_unless_told():
+    assert MeasurementOptions().method.extraction == ConvergedExtraction()
+
+
+def test_every_extraction_is_given_the_model_the_resources_and_the_statistics():
+    options = MeasurementOptions(keep=[Norm()])
+    assert options.setting.model is options.model
+    assert options.setting.resources is options.resources
+    assert options.setting.keep == (Norm(),)
+
+
+def test_statistics_cannot_be_combined_with_another_weighting():
+    method = Method(weightings=(RoundPsf(),))
+    with pytest.raises(InputError, match="another weighting cannot be combined"):
+        MeasurementOptions(method=method, keep=[Norm()])
+    MeasurementOptions(method=method, keep=[Nothing()])
+
+
+def test_an_extraction_that_keeps_no_statistics_is_not_asked_for_any():
+    method = Method(PaperExtraction())
+    with pytest.raises(InputError, match="PaperExtraction keeps no statistics"):
+        MeasurementOptions(method=method, keep=[Norm()])
+    MeasurementOptions(method=method, keep=[Nothing()])

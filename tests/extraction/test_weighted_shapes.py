@@ -5,14 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from uvshear.extraction.keep import MomentStatistic
 
 import uvshear
+from tests.extraction.fields import field_of
 from uvshear.constants import ARCSEC, MICROJANSKY, SPEED_OF_LIGHT
 from uvshear.diagnostics.weighting_loss import weighting_loss
 from uvshear.errors import InputError
-from uvshear.execution import in_threads
-from uvshear.extraction import MeasurementOptions
+from uvshear.estimators.moments import Moments
+from uvshear.execution import Resources, in_threads
+from uvshear.extraction import ConvergedExtraction, MeasurementOptions, Method, Model
 from uvshear.extraction.weighted_shapes import weigh
 from uvshear.galaxy import (
     CatalogueSize,
@@ -24,11 +25,9 @@ from uvshear.galaxy import (
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
-from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.interferometer.weighting import Briggs, GaussianTaper, RoundPsf, weighted
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.pipeline import _prepare
 from uvshear.predict import predict_visibilities
 from uvshear.shapes.measurement import FitFlag
 from uvshear.simulation.population import Population, draw_population
@@ -36,13 +35,15 @@ from uvshear.simulation.sky_region import SquareField
 
 CENTRE = PhaseCentre(0.3, math.radians(10.0))
 FREQUENCY = np.array([1.07e9])
-OPTIONS = MeasurementOptions(executor=in_threads(2))
+OPTIONS = MeasurementOptions(resources=Resources(in_threads(2)))
 
 
-def join(one: Galaxies, other: Galaxies) -> Galaxies:
+def join(first: Galaxies, second: Galaxies) -> Galaxies:
     """Both lists, one after the other."""
     names = ("l", "m", "flux", "scale_length", "ellipticity", "spectral_index")
-    return Galaxies(**{name: np.append(getattr(one, name), getattr(other, name)) for name in names})
+    return Galaxies(
+        **{name: np.append(getattr(first, name), getattr(second, name)) for name in names}
+    )
 
 
 @pytest.fixture(scope="module")
@@ -67,8 +68,10 @@ def field():
 
 def _measured(field, *weightings):
     galaxies, observation = field
-    options = replace(OPTIONS, weightings=weightings)
-    return uvshear.measure(observation, catalogue_from_galaxies(galaxies, CENTRE), options)
+    catalogue = catalogue_from_galaxies(galaxies, CENTRE)
+    method = Method(weightings=weightings)
+    measured = uvshear.measure(observation, catalogue, method=method, resources=OPTIONS.resources)
+    return measured.shapes
 
 
 def _pull_width(galaxies, shapes):
@@ -102,6 +105,10 @@ def test_a_taper_costs_precision_and_leaves_the_snr(field, natural):
     assert 1.05 < np.nanmedian(errors) < 1.4
 
 
+def _options(*weightings):
+    return MeasurementOptions(Model(size=CatalogueSize()), Method(weightings=weightings))
+
+
 def test_points_have_no_part_in_the_typical_size(field):
     """The scale is that of the galaxies, whatever else is in the field."""
     galaxies, observation = field
@@ -109,44 +116,50 @@ def test_points_have_no_part_in_the_typical_size(field):
     points = replace(few, l=few.l + 0.001, scale_length=np.zeros(4))
     scales = []
     for sky in (few, join(few, points)):
-        options = replace(OPTIONS, size=CatalogueSize(), weightings=(Briggs(0.0, 0.003),))
+        options = _options(Briggs(0.0, 0.003))
         catalogue = catalogue_from_galaxies(sky, CENTRE)
-        prepared = _prepare(catalogue, CENTRE, summarise(observation), options)
+        prepared = field_of(observation, catalogue, options)
         assert not np.any(prepared.flags == FitFlag.DUPLICATE)
         scales.append(weigh(observation, prepared, options)[0].scale)
     assert scales[1] == pytest.approx(scales[0], rel=1e-12)
 
 
-def test_each_galaxy_is_trusted_by_its_size(field):
-    """The scale and the trust together are what the loss of a galaxy of that size asks for."""
+def test_the_errors_of_each_galaxy_are_corrected_by_its_size(field):
+    """The scale and the correction together are what the loss of a galaxy of that size asks for."""
     galaxies, observation = field
     taper = (GaussianTaper(4 * ARCSEC),)
-    options = replace(OPTIONS, size=CatalogueSize(), weightings=taper)
+    options = _options(*taper)
     catalogue = catalogue_from_galaxies(galaxies, CENTRE)
-    prepared = _prepare(catalogue, CENTRE, summarise(observation), options)
-    seen, trust = weigh(observation, prepared, options)
+    prepared = field_of(observation, catalogue, options)
+    seen, correction = weigh(observation, prepared, options)
     cells = weighted(observation, taper).map_baselines()
-    losses = [weighting_loss(cells, float(size), OPTIONS.profile) for size in galaxies.scale_length]
+    losses = [
+        weighting_loss(cells, float(size), OPTIONS.model.profile) for size in galaxies.scale_length
+    ]
     wanted = np.array([1 / loss.variance_over_beam for loss in losses])
     assert np.ptp(wanted) > 0.3 * wanted.mean()
-    np.testing.assert_allclose(seen.scale * trust, wanted, rtol=0.02)
+    np.testing.assert_allclose(seen.scale * correction, wanted, rtol=0.02)
 
 
-def test_trust_widens_the_errors_of_e(field):
+def test_a_correction_widens_the_errors_of_e(field):
     galaxies, observation = field
     few = galaxies.select(np.arange(12))
     sources = catalogue_from_galaxies(few, CENTRE)
-    prepared = _prepare(sources, CENTRE, summarise(observation), OPTIONS)
+    prepared = field_of(observation, sources, OPTIONS)
     whole, less = (
-        OPTIONS.extraction.measure(
-            observation, replace(prepared, trust=np.full(12, trust)), OPTIONS, None
-        ).measurements
-        for trust in (1.0, 0.5)
+        ConvergedExtraction()
+        .extract(
+            observation,
+            replace(prepared, weight_correction=np.full(12, correction)),
+            OPTIONS.setting,
+        )
+        .measurements
+        for correction in (1.0, 0.5)
     )
     ratio = [less[k].covariance[0, 0] / whole[k].covariance[0, 0] for k in whole]
     assert np.median(ratio) == pytest.approx(2, abs=0.2)
 
 
 def test_statistics_are_kept_of_natural_weights_alone():
-    with pytest.raises(InputError, match="no other weighting can be had"):
-        MeasurementOptions(weightings=(RoundPsf(),), keep=(MomentStatistic(),))
+    with pytest.raises(InputError, match="another weighting cannot be combined with them"):
+        MeasurementOptions(method=Method(weightings=(RoundPsf(),)), keep=(Moments(),))

@@ -1,4 +1,4 @@
-"""The bias of an estimator on galaxies that are simulated for it."""
+"""The bias of an estimator of the shear on simulated galaxies."""
 
 import cmath
 import math
@@ -32,26 +32,29 @@ def estimate_bias(
     resources: Resources | None = None,
     progress: Progress | None = None,
 ) -> Bias:
-    """Bias m and c of an estimator, in total and by flux, in the frame of the sky.
+    """Estimate the bias m and c of an estimator, in total and by flux, in the frame of the sky.
 
     Parameters
     ----------
     estimator
         Estimator of the shear, or its name.
     galaxies
-        Number of galaxies, each measured four times behind each shear; eight times without one.
+        Number of galaxies. Each is measured four times behind each shear; eight times if the shear is zero.
     shear
-        Modulus of two opposite shears along g1 = g2, 0 for the additive bias alone; or shears that add up to zero.
+        Modulus of two opposite shears along g1 = g2, or shears that add up to zero. With 0 only the additive bias is
+        estimated.
     seed
         Seed of galaxies and noise.
     survey
-        What is observed and which galaxies are counted; an SKA-Mid track of 8 h and the paper's population unless
+        The observation and the galaxies that are counted; an SKA-Mid track of 8 h and the paper's population unless
         given.
     density
-        Galaxies of a square arcminute that are together in the beam and measured as a crowded field; None measures
-        each alone.
+        Number of galaxies per square arcminute, all of them together in the beam and measured as a crowded field; None
+        measures each galaxy alone.
     resources
-        What may be used of the machine.
+        Workers and memory of the machine that may be used.
+    progress
+        Called with the work that is done and the work that there is.
     """
     resources = resources or Resources()
     method = estimator_of(estimator)
@@ -74,6 +77,6 @@ def estimate_bias(
 
 
 def opposite_shears(modulus: float, orientations: int = 2) -> tuple[complex, ...]:
-    """Shears of one modulus in directions equally spaced, the first at 22.5 deg; no shear is one shear of zero."""
+    """Return shears of one modulus in equally spaced directions, the first at 22.5 deg; a single zero for modulus 0."""
     angles = [math.pi / 4 + 2 * math.pi * k / orientations for k in range(orientations)]
     return tuple(cmath.rect(modulus, angle) for angle in angles) if modulus else (0j,)

@@ -1,14 +1,15 @@
-"""Galaxies far off the centre, averaged over channels and integrations, seen by dishes: their shapes."""
+"""Shapes of galaxies far off the centre, averaged over channels and integrations, behind the beams of dishes."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from tests.extraction.fields import extract
 from tests.skies import galaxies
 from uvshear.constants import ARCSEC
-from uvshear.execution import in_threads
-from uvshear.extraction import MeasurementOptions
+from uvshear.execution import Resources, in_threads
+from uvshear.extraction import MeasurementOptions, Model
 from uvshear.galaxy import CatalogueSize
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import EARTH_ROTATION, antenna_uvw
@@ -16,7 +17,6 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.primary_beam import AiryBeam
 from uvshear.interferometer.visibilities import Integrations, Visibilities, VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.pipeline import extract
 from uvshear.predict import predict_visibilities
 from uvshear.predict.losses import Losses
 
@@ -82,9 +82,10 @@ def observation():
 
 def _worst(observation, sky=SKY, **losses):
     """Largest error of e, and of the flux over itself."""
-    options = MeasurementOptions(size=CatalogueSize(), executor=in_threads(2), **losses)
+    model = Model(size=CatalogueSize(), **losses)
+    options = MeasurementOptions(model, resources=Resources(in_threads(2)))
     catalogue = catalogue_from_galaxies(sky, CENTRE)
-    found = extract(observation, catalogue, options)[1].measurements
+    found = extract(observation, catalogue, options).measurements
     e = np.array([complex(*found[k].ellipticity) for k in range(len(sky))])
     flux = np.array([found[k].flux for k in range(len(sky))])
     return np.abs(e - SKY.ellipticity).max(), np.abs(flux / SKY.flux - 1).max()

@@ -1,0 +1,42 @@
+import json
+
+import numpy as np
+import pytest
+
+from uvshear.extraction.converged.history import History
+
+
+def test_one_major_cycle_may_be_followed_by_a_change_as_large():
+    history = History().with_cycle(np.array([3.0, 4.0]), ((4.0, 0.1),))
+    assert len(history) == 1
+    assert history.left_undone == pytest.approx(np.sqrt(12.5))
+    assert history.left_undone_most == 4.0
+
+
+def test_changes_shrink_by_the_same_factor_again():
+    history = History().with_cycle(np.array([8.0]), ()).with_cycle(np.array([2.0]), ())
+    assert history.left_undone == pytest.approx(0.5)
+    assert history.left_undone_most == pytest.approx(0.5)
+
+
+def test_changes_that_grow_are_not_taken_to_grow_further():
+    history = History().with_cycle(np.array([1.0]), ()).with_cycle(np.array([2.0]), ())
+    assert history.left_undone == 2.0
+
+
+def test_a_sky_that_did_not_change_leaves_nothing_undone():
+    history = History().with_cycle(np.zeros(2), ()).with_cycle(np.zeros(2), ())
+    assert history.left_undone == 0
+
+
+def test_the_record_is_what_json_knows():
+    history = History().with_cycle(np.array([3.0, 4.0]), ((4.00049, 0.1), (1.0, 0.0)))
+    record = json.loads(json.dumps(history.record()))
+    assert record == {
+        "major_cycles": 1,
+        "minor_cycles": [[[4.0, 0.1], [1.0, 0.0]]],
+        "change_rms": [3.5355],
+        "change_max": [4.0],
+        "left_undone": 3.5355,
+        "left_undone_most": 4.0,
+    }

@@ -1,0 +1,101 @@
+"""The minor cycle of two galaxies that touch, against the maximum of their common likelihood."""
+
+import numpy as np
+import pytest
+
+from tests.extraction.converged.states import nothing, touching_pair
+from uvshear.execution import SERIAL, in_threads
+from uvshear.extraction.converged.minor_cycle import MOST_ITERATIONS, run_minor_cycle
+from uvshear.shapes.normal_equations import normal_equations
+
+TOLERANCE = 0.05
+
+
+@pytest.fixture(scope="module")
+def prepared():
+    return touching_pair()
+
+
+@pytest.fixture(scope="module")
+def first(prepared):
+    """The first minor cycle, from circles."""
+    return run_minor_cycle(prepared.state, TOLERANCE, SERIAL, nothing, afresh=True)
+
+
+@pytest.fixture(scope="module")
+def converged(first):
+    """Three minor cycles without another major one."""
+    state, _ = first
+    for _ in range(2):
+        state, _ = run_minor_cycle(state, TOLERANCE, SERIAL, nothing, afresh=False)
+    return state
+
+
+def _distance_to_maximum(state, couplings):
+    """Length of the Gauss-Newton step of both galaxies together, in units of the noise."""
+    equations = [
+        normal_equations(state.residual(k), source.prior, source.profile, fit)
+        for k, (source, fit) in enumerate(zip(state.sources, state.fits, strict=True))
+    ]
+    (block,) = couplings.at_flux(np.array([fit.flux for fit in state.fits]))
+    gradient = np.concatenate([source.gradient for source in equations])
+    matrix = np.block([[equations[0].information, block], [block.T, equations[1].information]])
+    return float(np.sqrt(gradient @ np.linalg.solve(matrix, gradient)))
+
+
+def test_it_leads_to_the_maximum_of_the_common_likelihood(prepared, first, converged):
+    couplings = converged.linearisation.couplings
+    far = _distance_to_maximum(prepared.state, couplings)
+    assert far > 50
+    # measured 1.3 after one minor cycle
+    assert _distance_to_maximum(first[0], couplings) < 0.02 * far
+    assert _distance_to_maximum(converged, couplings) < TOLERANCE
+
+
+def test_the_maximum_is_at_the_truth(prepared, converged):
+    """It is off by what only another major cycle could tell."""
+    error = np.abs(prepared.ellipticities(converged) - prepared.truth.ellipticity)
+    assert np.all(error < 5e-3)
+    before = np.abs(prepared.truth.ellipticity)
+    assert np.all(error < 0.02 * before)
+
+
+def test_moves_shrink_and_are_told(first):
+    _, moves = first
+    assert 1 < len(moves) <= MOST_ITERATIONS
+    assert moves[-1][1] < 0.1 * moves[0][0]
+
+
+def test_the_state_that_it_begins_with_stays_as_it_is(prepared, first):
+    before = prepared.state
+    assert before.fits == before.subtracted
+    assert before.linearisation is None
+    again, moves = run_minor_cycle(before, TOLERANCE, SERIAL, nothing, afresh=True)
+    assert moves == first[1]
+    np.testing.assert_array_equal(prepared.ellipticities(again), prepared.ellipticities(first[0]))
+
+
+def test_a_sky_that_has_converged_does_not_move(converged):
+    again, moves = run_minor_cycle(converged, TOLERANCE, SERIAL, nothing, afresh=False)
+    assert len(moves) == 1
+    assert max(moves[0]) < TOLERANCE
+    assert np.max(again.change_since(converged.fits)) < TOLERANCE
+
+
+def test_couplings_that_are_known_are_taken(first):
+    state, _ = first
+    again, _ = run_minor_cycle(state, TOLERANCE, SERIAL, nothing, afresh=False)
+    assert again.linearisation.couplings is state.linearisation.couplings
+    assert again.linearisation.equations is not state.linearisation.equations
+
+
+def test_executors_change_no_bit(prepared, first):
+    state, moves = run_minor_cycle(prepared.state, TOLERANCE, in_threads(2), nothing, afresh=True)
+    assert moves == first[1]
+    np.testing.assert_array_equal(prepared.ellipticities(state), prepared.ellipticities(first[0]))
+
+
+def test_every_fit_is_heard_of(prepared):
+    heard = []
+    run_minor_cycle(prepared.state, 1e9, SERIAL, lambda: heard.append(1), afresh=True)
+    assert len(heard) == 2

@@ -1,0 +1,61 @@
+"""Statistics of galaxies: estimators see facets in fluxes at 1.4 GHz."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+import pytest
+
+from tests.extraction.converged.states import nothing, touching_pair
+from tests.extraction.fields import OPTIONS
+from uvshear.extraction.converged.statistics import keep_statistics
+from uvshear.shapes.source_facet import Column, SourceFacet
+
+
+@dataclass(frozen=True)
+class Spy:
+    """Keeps the power of each source, and what it saw of it."""
+
+    seen: list
+    columns: ClassVar = {"power": Column("sum of the power", "Jy-2")}
+
+    def statistic(self, source: SourceFacet):
+        self.seen.append(source)
+        return {"power": float(source.facet.power.sum())} if len(self.seen) != 2 else None
+
+
+@pytest.fixture(scope="module")
+def prepared():
+    return touching_pair()
+
+
+def _keep(prepared, modelled=None, on_source=nothing):
+    spy = Spy([])
+    setting = replace(OPTIONS.setting, keep=(spy,))
+    modelled = modelled or prepared.modelled
+    centre = prepared.observation.phase_centre
+    return spy.seen, keep_statistics(prepared.state, modelled, setting, centre, on_source)
+
+
+def test_a_source_that_has_none_is_left_out(prepared):
+    heard = []
+    seen, kept = _keep(prepared, on_source=lambda: heard.append(1))
+    assert len(seen) == len(heard) == 2
+    assert sorted(kept) == [0]
+    assert kept[0]["power"] == pytest.approx(prepared.state.facet(0).power.sum(), rel=1e-6)
+
+
+def test_estimators_see_the_measurements_prior_and_the_catalogues_flux(prepared):
+    seen, _ = _keep(prepared)
+    assert np.isinf(seen[0].prior.ellipticity_sigma)
+    assert seen[0].flux == prepared.truth.flux[0]
+    assert seen[0].cells == prepared.state.interaction.plan.cutouts[0]
+    assert np.all(seen[0].draw_noise(1)[:100] != seen[1].draw_noise(1)[:100])
+
+
+def test_fluxes_are_those_at_1_4_ghz(prepared):
+    field = prepared.modelled.field
+    low = replace(field, sky=replace(field.sky, reference_frequency=0.7e9))
+    _, kept = _keep(prepared, replace(prepared.modelled, field=low))
+    # A flux at 1.4 GHz is that at 0.7 GHz times 2^-0.7: one unit of it is so much more of the facet's.
+    assert kept[0]["power"] == pytest.approx(2**1.4 * prepared.state.facet(0).power.sum(), rel=1e-6)
