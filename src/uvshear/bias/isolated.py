@@ -188,8 +188,10 @@ def _trained(experiment: Experiment, estimator: Estimator, galaxies: int) -> Est
     unlensed = mock_galaxies(replace(experiment, shears=(0j,)), galaxies, TRAINING)
     # The first of the realisations of each galaxy.
     sources = (mock.source for mock in islice(unlensed, 0, None, len(TURNED)))
-    rows = (observe(estimator.learner, source) for source in sources)
-    return estimator.trained(Sample.from_rows([row for row in rows if row is not None]), 0j)
+    rows = [row for source in sources if (row := observe(estimator.learner, source)) is not None]
+    if not rows:
+        raise InputError("no galaxy passes the cuts; the estimator needs some to learn from")
+    return estimator.trained(Sample.from_rows(rows), 0j)
 
 
 def _pilot(experiment: Experiment) -> int:
