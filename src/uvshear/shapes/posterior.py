@@ -156,7 +156,7 @@ def sample_about(
 
     The lattice follows the axes of the Fisher covariance and takes in every point within ``DEPTH`` of the highest.
     Where the Fisher matrix is a poor guide, the lattice starts again: with half the step along an axis if the posterior
-    is narrower, and along the axes of the covariance found so far if it is so wide that ``most_points`` do not cover it.
+    is narrower, and along the axes of the covariance found so far if ``most_points`` do not cover a posterior so wide.
 
     Parameters
     ----------
