@@ -67,7 +67,7 @@ class ExactFacets(FacetMethod):
         return _ExactBuilder(target, profile, grid, band, self.epsilon, power)
 
     def _width(self, target: Target) -> float:
-        """Width of a facet, a power of 1.25 wider where the fitted galaxy requires it: beams of few widths are reused."""
+        """Width of a facet, wider by a power of 1.25 where the galaxy requires it, so that beams can be reused."""
         least = self.scale_lengths * target.scale_length
         wanted = min(2 * target.half_width, WIDEST * least)
         steps = math.ceil(math.log(max(wanted / least, 1.0)) / math.log(1.25) - 1e-9)

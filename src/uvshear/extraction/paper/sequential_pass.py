@@ -74,8 +74,7 @@ class SequentialPass:
     def measure(
         self, sky: PaperSky, order: Iterable[Batch]
     ) -> tuple[PaperSky, dict[int, ShapeMeasurement]]:
-        """Fit every source once and sample the posterior of its ellipticity; return the improved sky and the
-        measurements."""
+        """Fit every source once and sample its posterior; return the improved sky and the measurements."""
         measurements: dict[int, ShapeMeasurement] = {}
         for batch in order:
             sky, shapes = self._fit_batch(sky, batch, self._measure)
