@@ -49,12 +49,12 @@ def estimate_bias(
         The observation and the galaxies that are counted; an SKA-Mid track of 8 h and the paper's population unless
         given.
     density
-        Number of galaxies per square arcminute, all of them together in the beam and measured as a crowded field; None
-        measures each galaxy alone.
+        Number of galaxies per square arcminute in a crowded field, in which all of them are measured together; None
+        measures each galaxy alone in the beam.
     resources
         Workers and memory of the machine that may be used.
     progress
-        Called with the work that is done and the work that there is.
+        Function called with the work done so far and the total work.
     """
     resources = resources or Resources()
     method = estimator_of(estimator)
