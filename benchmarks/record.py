@@ -60,15 +60,18 @@ def command_line() -> str:
 
 
 def commit() -> str:
-    """Return the commit of the tree, with ``-dirty`` where files differ from it."""
-    described = subprocess.run(
-        ["git", "describe", "--always", "--dirty", "--abbrev=10", "--exclude=*"],
-        cwd=Path(__file__).parent,
-        capture_output=True,
-        text=True,
-        check=True,
+    """Return the commit of the tree, with ``-dirty`` where files other than records differ from it."""
+    root = RESULTS.parents[1]
+
+    def git(*arguments: str) -> str:
+        return subprocess.run(
+            ["git", *arguments], check=True, capture_output=True, text=True, cwd=root
+        ).stdout.strip()
+
+    changed = git(
+        "status", "--porcelain", "--untracked-files=no", "--", ".", ":!benchmarks/results"
     )
-    return described.stdout.strip()
+    return git("rev-parse", "--short=10", "HEAD") + ("-dirty" if changed else "")
 
 
 def machine() -> dict[str, str | int | float]:

@@ -1,4 +1,4 @@
-"""Objects by name: those of the package, those that installed packages register, and those of a user's own file.
+"""Objects by name: those of the package, those that installed packages register, and those in a user's own file.
 
 A package registers a profile, say, by an entry point of the group ``uvshear.profiles`` in its ``pyproject.toml``:
 
@@ -7,7 +7,8 @@ A package registers a profile, say, by an entry point of the group ``uvshear.pro
     [project.entry-points."uvshear.profiles"]
     moffat = "my_package.moffat:Moffat"
 
-A name with a colon, ``my_file:Moffat``, needs no registration: it is imported as it is, from the current directory too.
+A name with a colon, ``my_file:Moffat``, names a module and an object in it. It needs no registration, and the module
+may be in the current directory.
 """
 
 import os
@@ -23,18 +24,18 @@ from uvshear.errors import InputError
 
 @dataclass(frozen=True)
 class Registry:
-    """What goes by a name.
+    """The objects of one kind, by name.
 
     Parameters
     ----------
     kind
-        What it is, for messages: "profile".
+        Name of the kind, for messages: "profile".
     group
-        Group of the entry points by which packages register more.
+        Group of the entry points by which packages register objects.
     own
-        Places (``module:object``) of the package's own, by name.
+        Places (``module:object``) of the objects of this package, by name.
     aliases
-        Other names of some.
+        Alternative names, with the name that each stands for.
     """
 
     kind: str
@@ -43,7 +44,7 @@ class Registry:
     aliases: Mapping[str, str]
 
     def names(self) -> tuple[str, ...]:
-        """Every registered name: the package's own first, in their order, then those of entry points."""
+        """Return all registered names: first those of this package in their order, then those of entry points."""
         others = sorted(point.name for point in self._registered() if point.name not in self.own)
         return (*self.own, *others)
 
@@ -53,7 +54,7 @@ class Registry:
         Raises
         ------
         InputError
-            Nothing goes by the name, or it cannot be imported.
+            The name is not known, or its object cannot be imported.
         """
         name = self.aliases.get(name, name)
         place = self.own.get(name) or self._place_of(name)
@@ -74,7 +75,7 @@ class Registry:
                 return point.value
         raise InputError(
             f"'{name}' is not a known {self.kind}; {', '.join(self.names())} are known,"
-            f" and MODULE:NAME is imported"
+            f" and MODULE:NAME names an object of your own"
         )
 
     def _registered(self) -> list[EntryPoint]:

@@ -4,13 +4,10 @@ import numpy as np
 import pytest
 
 from uvshear.constants import MICROJANSKY
-from uvshear.estimators.evidence import (
-    ShapeLikelihood,
-    UnlensedPopulation,
-    evidence_and_gradient,
-    gradient_and_curvature,
-)
+from uvshear.estimators.evidence import evidence_and_gradient, gradient_and_curvature
+from uvshear.estimators.population import UnlensedPopulation
 from uvshear.estimators.population_fit import moved
+from uvshear.estimators.shape_likelihood import ShapeLikelihood
 from uvshear.geometry.ellipticity import add_shear
 
 POPULATION = UnlensedPopulation()
@@ -102,15 +99,15 @@ def test_the_gradient_by_the_population_is_that_of_brute_force(e, sigma):
     steps = step * np.eye(4)
     expected = [
         (
-            np.log(_evidence(toy, about, moved(POPULATION, one)))
-            - np.log(_evidence(toy, about, moved(POPULATION, -one)))
+            np.log(_evidence(toy, about, moved(POPULATION, change)))
+            - np.log(_evidence(toy, about, moved(POPULATION, -change)))
         )
         / (2 * step)
-        for one in steps
+        for change in steps
     ]
     sides = [
-        (moved(POPULATION, one).ellipticity, moved(POPULATION, -one).ellipticity)
-        for one in steps[2:]
+        (moved(POPULATION, change).ellipticity, moved(POPULATION, -change).ellipticity)
+        for change in steps[2:]
     ]
     _, gradient = evidence_and_gradient(toy.on_lattice(), POPULATION, about, sides, 2 * step)
     np.testing.assert_allclose(gradient, expected, atol=0.004)
@@ -120,8 +117,9 @@ def test_log_evidences_of_two_populations_differ_as_brute_force_has_it():
     toy = Toy(0.25 + 0.1j, 0.2)
     other = moved(POPULATION, np.array([0.1, 0.2, 0.3, -0.4]))
     lattice = toy.on_lattice()
-    found = [evidence_and_gradient(lattice, one, 0.02j)[0] for one in (POPULATION, other)]
-    expected = [np.log(_evidence(toy, 0.02j, one)) for one in (POPULATION, other)]
+    both = (POPULATION, other)
+    found = [evidence_and_gradient(lattice, population, 0.02j)[0] for population in both]
+    expected = [np.log(_evidence(toy, 0.02j, population)) for population in both]
     assert abs(np.diff(expected)[0]) > 0.05
     assert np.diff(found)[0] == pytest.approx(np.diff(expected)[0], abs=0.004)
 

@@ -1,10 +1,12 @@
 """Likelihoods packed and unpacked."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.estimators.test_evidence import POPULATION, Toy
-from uvshear.estimators.evidence import ShapeLikelihood, gradient_and_curvature
+from uvshear.estimators.evidence import gradient_and_curvature
 from uvshear.estimators.packing import PACKED, pack, unpack
 
 TOYS = [Toy(0.3 - 0.2j, 0.25), Toy(-0.1 + 0.05j, 0.08), Toy(0.6 + 0.3j, 0.4)]
@@ -12,12 +14,13 @@ TOYS = [Toy(0.3 - 0.2j, 0.25), Toy(-0.1 + 0.05j, 0.08), Toy(0.6 + 0.3j, 0.4)]
 
 def _with_fluxes(toy):
     """Fluxes that grow with the size, as a fit finds them."""
-    one = toy.on_lattice()
-    away = one.log_scale_length - one.log_scale_length.mean()
-    flux = 2e-5 * np.exp(0.6 * away) * (1 + 0.1 * np.abs(one.ellipticity) ** 2)
-    variance = (1.5e-6) ** 2 * np.exp(0.8 * away)
-    return ShapeLikelihood(
-        one.point, one.origin, one.axes, one.log_likelihood - 3.0, flux, variance
+    constant = toy.on_lattice()
+    away = constant.log_scale_length - constant.log_scale_length.mean()
+    return replace(
+        constant,
+        log_likelihood=constant.log_likelihood - 3.0,
+        flux=2e-5 * np.exp(0.6 * away) * (1 + 0.1 * np.abs(constant.ellipticity) ** 2),
+        flux_variance=(1.5e-6) ** 2 * np.exp(0.8 * away),
     )
 
 
@@ -41,3 +44,24 @@ def test_packed_it_takes_a_few_kilobytes():
     # of the broadest; the average galaxy has 1500 points
     assert len(likelihood.point) > 2000
     assert size < 3.2 * len(likelihood.point) + 500
+
+
+def test_fluxes_are_those_of_a_polynomial_of_the_fourth_degree():
+    """A flux that is one comes back to the rounding of its coefficients; the lattice is narrow along one axis."""
+    likelihood = TOYS[1].on_lattice()
+    thin = likelihood.point[:, 1] > -2
+    x, y, z = (likelihood.point[thin] - likelihood.point[thin].mean(axis=0)).T / 4
+    polynomial = 1 + 0.1 * x - 0.2 * y * z + 0.05 * x**2 * z - 0.01 * y**4
+    flux = 2e-5 * (polynomial + 2 * np.abs(polynomial).max())
+    given = replace(
+        likelihood,
+        point=likelihood.point[thin],
+        log_likelihood=likelihood.log_likelihood[thin],
+        flux=flux,
+        flux_variance=1e-12 * np.exp(polynomial),
+    )
+    again = unpack(pack(given))
+    order = np.lexsort(given.point.T[::-1])
+    np.testing.assert_array_equal(again.point, given.point[order])
+    np.testing.assert_allclose(again.flux, flux[order], rtol=3e-6)
+    np.testing.assert_allclose(again.flux_variance, given.flux_variance[order], rtol=3e-5)

@@ -129,7 +129,7 @@ def test_dishes_are_those_of_all_sets(pair):
     np.testing.assert_array_equal(dish_diameters(joint), simulated().dish_diameters())
     assert pointing_of(joint) == (0.0, 0.0)
     change(pair[1], "DISH_DIAMETER", 25.0, subtable="ANTENNA")
-    with pytest.raises(InputError, match=f"{pair[1]}: its dishes are not those of {pair[0]}"):
+    with pytest.raises(InputError, match=f"{pair[1]}: its dishes differ from those of {pair[0]}"):
         dish_diameters(joint)
 
 

@@ -1,7 +1,8 @@
 """Bias of the estimators of the shear: galaxies of known shear, simulated many times.
 
-``mock_facets`` draws galaxies that are alone in the beam, ``isolated`` measures their bias; ``crowded`` observes and
-measures whole fields. ``survey`` says what is observed, ``fit`` turns sums into m and c, ``estimate`` does all of it.
+``mock_facets`` draws facets of galaxies that are alone in the beam, from which ``isolated`` estimates a bias;
+``crowded`` observes and measures whole fields. ``survey`` describes the observation and the galaxies, ``fit`` turns
+sums of terms into m and c, and ``estimate`` has the function that users call.
 """
 
 from uvshear.bias.estimate import estimate_bias, opposite_shears

@@ -1,6 +1,6 @@
-"""Galaxies alone in the beam as cell-average facets see them: to reproduce the bias of Rivi & Miller 2018.
+"""Galaxies alone in the beam on the paper's cell-average facets, to reproduce the bias of Rivi & Miller 2018.
 
-The visibilities of a galaxy are predicted one by one and averaged in cells; their noise is that of the cells' sums.
+The visibilities of a galaxy are predicted one by one and averaged in cells; the noise is drawn for the sums in cells.
 """
 
 import math
@@ -23,15 +23,23 @@ from uvshear.shapes.template import Template
 from uvshear.typing import Array, Complex, Float, Int
 
 LADDER = 1.05
-"""Facets come in widths of this ratio."""
+"""Ratio of successive widths of facets."""
 
 SMALLEST = 8
-"""Cells to either side of the origin, at least."""
+"""Smallest number of cells to either side of the origin."""
 
 
 @dataclass(frozen=True)
 class PointingSamples:
-    """Baselines of one pointing [wavelengths] with their weights [Jy^-2]."""
+    """Samples of one pointing without their visibilities.
+
+    Parameters
+    ----------
+    uv
+        Baselines [wavelengths].
+    weight
+        Weights [Jy^-2].
+    """
 
     uv: Float[Array, "sample 2"]
     weight: Float[Array, " sample"]
@@ -39,7 +47,15 @@ class PointingSamples:
     def sums(
         self, visibilities: Complex[Array, " sample"], cell: float, half: int
     ) -> tuple[Complex[Array, "u v"], Float[Array, "u v"]]:
-        """Sum weighted visibilities, and weights, over cells of a side [wavelengths], ``half`` of them a radius."""
+        """Sum weighted visibilities, and weights, over cells of the uv plane.
+
+        Parameters
+        ----------
+        cell
+            Side of a cell [wavelengths].
+        half
+            Number of cells from the origin to the edge.
+        """
         sums, power = np.zeros((2 * half, half), complex), np.zeros((2 * half, half))
         u, v = np.ascontiguousarray(self.uv.T)
         add_to_cells(u, v, visibilities, self.weight, 1.0, cell, sums, power)
@@ -48,7 +64,17 @@ class PointingSamples:
 
 @dataclass(frozen=True)
 class CellAverageSimulator(FacetSimulator):
-    """Cells of a cell-average facet; those that hold samples are ``chosen``."""
+    """Draws cell-average facets of galaxies.
+
+    Parameters
+    ----------
+    samples
+        The samples that lie in the cells.
+    cell
+        Side of a cell [wavelengths].
+    chosen
+        Indices along u and v of the cells that hold samples.
+    """
 
     samples: PointingSamples
     cell: float
@@ -65,7 +91,7 @@ class CellAverageSimulator(FacetSimulator):
         return self.cutout.size // 2
 
     def facet(self, galaxy: GalaxyFit, profile: Profile, noise: FacetNoise) -> Facet:
-        """Return the facet of visibilities of a galaxy with such noise."""
+        """Return the facet of the visibilities of a galaxy, with noise."""
         visibilities = Template(self.samples.uv, profile).model(galaxy)
         sums, _ = self.samples.sums(visibilities, self.cell, self._half)
         return Facet(self.uv, sums[self.chosen] + np.sqrt(self.power) * noise, self.power)
@@ -78,13 +104,13 @@ class CellAverageBeam:
     Parameters
     ----------
     samples
-        At the phase centre.
+        Samples of the phase centre.
     longest
-        Baseline [wavelengths].
+        Longest baseline [wavelengths].
     frequency
-        At which that is so long [Hz].
+        Frequency of the longest baseline [Hz].
     rule
-        How wide a facet is.
+        Rule that gives the width of a galaxy's facet from its size.
     """
 
     samples: PointingSamples
@@ -95,7 +121,7 @@ class CellAverageBeam:
 
     @classmethod
     def gather(cls, observation: Observation) -> Self:
-        """Gather the samples; fluxes are those of the catalogue in every channel."""
+        """Gather the samples of an observation, in which galaxies have the catalogue's flux in every channel."""
         uv, weight, highest = [], [], 0.0
         for chunk in observation.chunks():
             for channel, frequency in enumerate(chunk.frequency.tolist()):
@@ -106,7 +132,7 @@ class CellAverageBeam:
         return cls(samples, float(np.hypot(*samples.uv.T).max()), highest)
 
     def simulator(self, log_median: float, sigma: float) -> CellAverageSimulator:
-        """Return the simulator for galaxies whose ln(scale length / rad) has this mean; its deviation has no part."""
+        """Return the simulator for galaxies whose ln(scale length / rad) has this mean, whatever its deviation."""
         del sigma
         rung = math.ceil(log_median / math.log(LADDER))
         if rung not in self._simulators:

@@ -1,4 +1,4 @@
-"""A crowded field behind known shears, observed and measured whole: the same galaxies and the same noise each time."""
+"""Bias in a crowded field: the same galaxies with the same noise, observed and measured with each shear."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -24,35 +24,35 @@ from uvshear.simulation.lensing import shear_galaxies
 from uvshear.typing import Array, Bool, Float, Int
 
 BLOCKS = 7
-"""Blocks of the jackknife along l and along m."""
+"""Number of blocks of the jackknife along l and along m."""
 
 ROUNDS = 2
-"""Rounds of an expansion about the estimate."""
+"""Number of iterations of the expansion about the estimate of the shear."""
 
 Measure = Callable[[VisibilitySet, Galaxies], Measurement]
-"""Measures an observation of galaxies, with a catalogue that has their places and fluxes."""
+"""Function that measures an observation, with the positions and fluxes of these galaxies as the catalogue."""
 
 
 @dataclass(frozen=True)
 class FieldExperiment:
-    """What is simulated.
+    """A field of galaxies, the noise of its observation, and the shears.
 
     Parameters
     ----------
     galaxies
         Galaxies before they are lensed.
     noise
-        Visibilities without a galaxy, and their weights.
+        Visibilities of noise alone, with their weights.
     shears
         Reduced shears in the frame of the sky, which add up to zero.
     used
-        Galaxies that are counted; the others are there all the same.
+        Mask of the galaxies that enter the bias; the others are only observed and subtracted.
     lens
-        What a shear does to galaxies.
+        Map of galaxies by a shear.
     profile
         Brightness profile of the galaxies.
     executor
-        For the prediction.
+        Executor of the prediction.
     """
 
     galaxies: Galaxies
@@ -64,13 +64,13 @@ class FieldExperiment:
     executor: Executor = SERIAL
 
     def lensed(self, shear: complex, ellipticity_sign: int) -> Galaxies:
-        """Return the galaxies, with e or -e, behind a shear."""
+        """Return the galaxies behind a shear, with their ellipticities multiplied by the sign."""
         galaxies = replace(self.galaxies, ellipticity=ellipticity_sign * self.galaxies.ellipticity)
         north = local_north(self.noise.phase_centre, galaxies.l, galaxies.m)
         return self.lens(galaxies, shear_in_field_frame(shear, north))
 
     def observed(self, galaxies: Galaxies, noise_sign: int) -> VisibilitySet:
-        """Observe lensed galaxies, with the noise or its opposite."""
+        """Return the observation of lensed galaxies, with its noise multiplied by the sign."""
         blocks = []
         for block in self.noise.blocks:
             model = predict_visibilities(
@@ -87,7 +87,7 @@ def estimate_crowded_bias(
     measure: Measure,
     progress: Progress | None = None,
 ) -> list[Bias]:
-    """Bias of each estimator, in total and by flux, of galaxies that were measured every time."""
+    """Estimate the bias of each estimator, in total and by flux, from the galaxies that every measurement contains."""
     for estimator in estimators:
         if estimator.is_learning:
             raise InputError(
@@ -114,7 +114,8 @@ def _bias(
     measured: Sequence[Sequence[Measurement]],
 ) -> Bias:
     samples = [
-        [(sample_of(one, estimator), selected(one.shapes)) for one in found] for found in measured
+        [(sample_of(field, estimator), selected(field.shapes)) for field in found]
+        for found in measured
     ]
     about = [0j] * len(experiment.shears)
     for _ in range(ROUNDS if estimator.is_expanded else 1):
@@ -134,7 +135,7 @@ def _bias(
 def _terms(
     estimator: Estimator, sample: Sample, is_ok: Bool[Array, " source"], about: complex
 ) -> Float[Array, "source 6"]:
-    """Two numbers and four of their response for every source; NaN where a source was not measured."""
+    """Return two numbers and four of their response for every source; NaN where a source was not measured."""
     rows = np.full((len(sample), 6), np.nan)
     terms = sky_terms(estimator, sample.select(is_ok), about)
     rows[is_ok] = np.concatenate([terms.value, terms.response.reshape(-1, 4)], axis=1)
@@ -156,7 +157,7 @@ def _by_flux(
         return _sums(terms, block, used & inside & good, int((used & inside & ~good).sum()))
 
     total = sums_of(np.ones(len(galaxies), bool))
-    bins = {one.name: sums_of(one.holds(galaxies.flux)) for one in FLUX_BINS}
+    bins = {flux_bin.name: sums_of(flux_bin.holds(galaxies.flux)) for flux_bin in FLUX_BINS}
     return fit_bias(total, bins, experiment.shears, about)
 
 

@@ -1,13 +1,15 @@
-"""The bias of an estimator on galaxies that are simulated for it."""
+"""The bias of an estimator of the shear on simulated galaxies."""
 
 import cmath
 import math
+import warnings
 from collections.abc import Sequence
 
 from uvshear.bias.crowded import estimate_crowded_bias
 from uvshear.bias.fit import Bias
 from uvshear.bias.isolated import estimate_isolated_bias
 from uvshear.bias.survey import Survey
+from uvshear.errors import DataWarning
 from uvshear.estimators import estimator_of
 from uvshear.estimators.registry import EstimatorLike
 from uvshear.execution import Resources
@@ -30,26 +32,29 @@ def estimate_bias(
     resources: Resources | None = None,
     progress: Progress | None = None,
 ) -> Bias:
-    """Bias m and c of an estimator, in total and by flux, in the frame of the sky.
+    """Estimate the bias m and c of an estimator, in total and by flux, in the frame of the sky.
 
     Parameters
     ----------
     estimator
         Estimator of the shear, or its name.
     galaxies
-        Number of galaxies, each measured four times behind each shear; eight times without one.
+        Number of galaxies. Each is measured four times behind each shear; eight times if the shear is zero.
     shear
-        Modulus of two opposite shears along g1 = g2, 0 for the additive bias alone; or shears that add up to zero.
+        Modulus of two opposite shears along g1 = g2, or shears that add up to zero. With 0 only the additive bias is
+        estimated.
     seed
         Seed of galaxies and noise.
     survey
-        What is observed and which galaxies are counted; an SKA-Mid track of 8 h and the paper's population unless
+        The observation and the galaxies that are counted; an SKA-Mid track of 8 h and the paper's population unless
         given.
     density
-        Galaxies of a square arcminute that are together in the beam and measured as a crowded field; None measures
-        each alone.
+        Number of galaxies per square arcminute in a crowded field, in which all of them are measured together; None
+        measures each galaxy alone in the beam.
     resources
-        What may be used of the machine.
+        Workers and memory of the machine that may be used.
+    progress
+        Function called with the work done so far and the total work.
     """
     resources = resources or Resources()
     method = estimator_of(estimator)
@@ -61,7 +66,10 @@ def estimate_bias(
 
     def measured(observation: VisibilitySet, lensed: Galaxies) -> Measurement:
         catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)
-        return measure(observation, catalogue, keep=(method,), resources=resources)
+        with warnings.catch_warnings():
+            # Simulated weights are right; a coarse track may make the scatter of neighbouring samples look otherwise.
+            warnings.simplefilter("ignore", DataWarning)
+            return measure(observation, catalogue, keep=(method,), resources=resources)
 
     crowd = known.crowd(shears, galaxies, density, seed, resources.executor)
     (bias,) = estimate_crowded_bias(crowd, [method], measured, progress)
@@ -69,6 +77,6 @@ def estimate_bias(
 
 
 def opposite_shears(modulus: float, orientations: int = 2) -> tuple[complex, ...]:
-    """Shears of one modulus in directions equally spaced, the first at 22.5 deg; no shear is one shear of zero."""
+    """Return shears of one modulus in equally spaced directions, the first at 22.5 deg; a single zero for modulus 0."""
     angles = [math.pi / 4 + 2 * math.pi * k / orientations for k in range(orientations)]
     return tuple(cmath.rect(modulus, angle) for angle in angles) if modulus else (0j,)

@@ -1,8 +1,8 @@
-"""Multiplicative and additive bias of an estimator, from the shears that it finds.
+"""Multiplicative and additive bias of an estimator, from the shears that it estimates.
 
-The same galaxies stand behind opposite shears, with the same noise: the difference of the two is free of most of both.
-Each galaxy is seen with e and with -e, and with its noise and the opposite noise: intrinsic shapes and noise cancel in
-the sum, which shows the additive bias.
+The same galaxies are simulated with opposite shears and the same noise, so that shape noise and noise nearly cancel in
+the difference of the two estimates, which gives m. Each galaxy is simulated with e and with -e, and with a realisation
+of the noise and its negative, so that both cancel in the sum, which gives c.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +16,7 @@ from uvshear.estimators.uncertainty import jackknife_error
 from uvshear.typing import Array, Bool, Float
 
 LEAST_BLOCKS = 2
-"""Blocks of galaxies that an error needs."""
+"""Smallest number of blocks of galaxies that give a standard error."""
 
 
 @dataclass(frozen=True)
@@ -28,18 +28,18 @@ class Bias:
     name
         Name of the galaxies: "all", or their bin of flux.
     m, m_err, c, c_err
-        Multiplicative and additive bias of both components; m is NaN where there was no shear.
+        Multiplicative and additive bias of both components; m is NaN where no shear was applied.
     response
-        Response of the estimator's terms to both components, a galaxy with all of its measurements: it weighs galaxies
-        of different fluxes in a total.
+        Response of the estimator's terms to both components, summed over all measurements: the weight of these galaxies
+        in a mean over galaxies of different fluxes.
     n
         Number of galaxies, each measured several times.
     failed
-        Number of measurements that failed, and are left out.
+        Number of measurements that failed and are left out.
     bins
         Bias of the galaxies of each bin of flux.
     frame
-        Frame of the components: "sky" is that of local North.
+        Frame of the components; "sky" is that of local North.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Bias:
     frame: str = SKY
 
     def record(self) -> dict[str, float | int]:
-        """Return the numbers by name for a file; those that were not found are left out."""
+        """Return the finite numbers by name, for a file."""
         numbers = {
             f"{name}{i + 1}{suffix}": float(value[i])
             for name, best, error in (("m", self.m, self.m_err), ("c", self.c, self.c_err))
@@ -85,7 +85,7 @@ class TermSums:
     values
         Two numbers and four of their response, for each block and each shear.
     n
-        Number of galaxies that tell something.
+        Number of galaxies that contribute.
     failed
         Number of measurements that failed.
     """
@@ -96,14 +96,14 @@ class TermSums:
 
     @property
     def is_told(self) -> Bool[Array, " block"]:
-        """Which blocks have a galaxy behind every shear."""
+        """Mask of the blocks that have a galaxy behind every shear."""
         return np.all(np.any(self.values[..., 2:] != 0, axis=-1), axis=-1)
 
 
 def shears_from_sums(
     values: Float[Array, "... shear 6"], about: Sequence[complex]
 ) -> Float[Array, "... shear 2"]:
-    """Shears that sums of an estimator's terms (two numbers, and four of their response) come to."""
+    """Return the shears that follow from sums of an estimator's terms: two values, and four of their response."""
     response = values[..., 2:].reshape(*values.shape[:-1], 2, 2)
     if np.any(np.all(response == 0, axis=(-2, -1))):
         raise InputError("no galaxy tells of the shear: none passes the cuts, or none was measured")
@@ -117,12 +117,18 @@ def fit_bias(
     shears: Sequence[complex],
     about: Sequence[complex],
 ) -> Bias:
-    """Fit m and c of all galaxies and of each bin to ``shears`` that add up to zero.
+    """Fit m and c of all galaxies and of each bin.
 
     Bins with galaxies in fewer than two blocks are left out.
 
     Parameters
     ----------
+    sums
+        Sums of the terms of all galaxies.
+    bins
+        Sums of the terms of the galaxies of each bin of flux, by the name of the bin.
+    shears
+        Shears that were applied, which add up to zero.
     about
         Shears about which the terms are expanded.
     """
@@ -141,7 +147,7 @@ def _fit(
     values = sums.values[sums.is_told]
     if len(values) < LEAST_BLOCKS:
         raise InputError(
-            f"{name}: {sums.n} galaxies in {len(values)} blocks; more galaxies are needed for an error"
+            f"{name}: {sums.n} galaxies in {len(values)} blocks are too few for an error; more galaxies are needed"
         )
     g = np.array([[shear.real, shear.imag] for shear in shears])
     length = np.sum(g**2, axis=0)

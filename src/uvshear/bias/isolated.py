@@ -1,4 +1,4 @@
-"""Galaxies alone in the beam behind known shears, and what an estimator makes of them."""
+"""Bias of an estimator for galaxies that are alone in the beam, each behind known shears."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -17,6 +17,7 @@ from uvshear.estimators import Estimator, Sample
 from uvshear.estimators.estimate import sky_terms, within_reach
 from uvshear.estimators.estimator import observe
 from uvshear.estimators.flux_bins import FLUX_BINS
+from uvshear.estimators.sample import Row
 from uvshear.execution import SERIAL, Executor, single_threaded_libraries
 from uvshear.galaxy import (
     DiscEllipticityPrior,
@@ -36,51 +37,53 @@ from uvshear.simulation.population import Population
 from uvshear.typing import Array, Complex, Float
 
 BLOCK = 50
-"""Galaxies of a task, whose sums are a block of the jackknife."""
+"""Number of galaxies in a task, whose sums form one block of the jackknife."""
 
 PILOT, FEWEST, PILOT_ROUNDS = 500, 100, 2
-"""Galaxies that are drawn, galaxies that a cut by flux leaves of them at least, and rounds, for the first guess of the
-shear about which an estimator is expanded."""
+"""First guess of the shear about which an estimator is expanded: the number of galaxies that are drawn for it, the
+smallest number that must pass a cut by flux, and the number of iterations."""
 
 TRAINING = 1500
-"""Galaxies from which an estimator learns its population."""
+"""Number of galaxies from which an estimator learns its population."""
 
 FITTED = Exponential()
-"""Profile that is fitted, and that the cut by signal-to-noise ratio takes, whatever the true one."""
+"""Profile of the fits and of the cut by signal-to-noise ratio, whatever the true profile."""
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """What is simulated.
+    """A population of galaxies alone in the beam, their shears, and the cuts that select them.
 
     Parameters
     ----------
     beam
-        Beam of the observation.
+        Beam of the observation, from which facets are drawn.
     shears
-        Reduced shears in the frame of the sky, which add up to zero; a single zero leaves the additive bias alone.
+        Reduced shears in the frame of the sky, which add up to zero. With a single zero only the additive bias is
+        estimated.
     population
         Distributions of flux, size and ellipticity.
     profile
         True brightness profile.
     lens
-        What a shear does to galaxies.
+        Map of galaxies by a shear.
     size
-        Relation from which the estimator takes its prior of the size.
+        Size-flux relation that gives the prior on the size.
     snr_min
-        Signal-to-noise ratio, by the catalogue's flux and the median size, below which galaxies are left out: no shear
-        changes that cut.
+        Signal-to-noise ratio below which galaxies are left out, computed from the catalogue's flux and the median size,
+        so that shear does not move galaxies across the cut.
     measured_snr_min
-        Signal-to-noise ratio of the best fit below which a measurement is left out: shear and noise have a say in it.
+        Signal-to-noise ratio of the best fit below which a measurement is left out. Shear and noise move galaxies
+        across that cut.
     flux_min, flux_max
-        Catalogue's fluxes below and above which galaxies are left out [Jy].
+        Catalogue fluxes below and above which galaxies are left out [Jy].
     position_sigma
         Standard error of the catalogue's positions in l and in m [rad].
     has_rings
-        Whether galaxies are seen with e and -e. An estimator that is not linear has nearly the same error of m
-        without, at half the cost, but a large one of c.
+        Whether galaxies are simulated with e and -e. Without these pairs a non-linear estimator has nearly the same
+        error of m at half the cost, but a large error of c.
     weights_population
-        Distribution of ellipticities that the weights of shapes are made for.
+        Distribution of ellipticities on which the weights of shapes depend.
     seed
         Seed of galaxies and noise.
     """
@@ -102,17 +105,17 @@ class Experiment:
 
     def __post_init__(self) -> None:
         if abs(sum(self.shears)) > 1e-9:
-            raise InputError("the shears of a simulated bias add up to zero; these do not")
+            raise InputError("the shears of a simulated bias must add up to zero; these do not")
 
     @property
     def realisations(self) -> tuple[Realisation, ...]:
-        """How often, and in what way, each galaxy is seen behind each shear."""
+        """Realisations of each galaxy behind each shear."""
         if not any(self.shears):
             return TURNED
         return OPPOSITE if self.has_rings else OPPOSITE[:2]
 
     def draw(self, number: int, rng: np.random.Generator) -> Galaxies:
-        """Draw galaxies of the population in one place."""
+        """Draw galaxies of the population, all of them at the phase centre up to the error of their position."""
         population = self.population
         flux = population.flux.draw(number, rng)
         modulus = population.ellipticity.draw_modulus(number, rng)
@@ -129,16 +132,16 @@ class Experiment:
 
 @dataclass(frozen=True)
 class MockGalaxy:
-    """A facet of one galaxy behind one shear.
+    """One realisation of a galaxy behind one shear.
 
     Parameters
     ----------
     number
         Number of the galaxy in its task.
     shear
-        Place of the shear among those of the experiment.
+        Index of the shear among those of the experiment.
     source
-        The galaxy as an estimator sees it.
+        Facet of the galaxy, as it is passed to an estimator.
     """
 
     number: int
@@ -153,10 +156,10 @@ def estimate_isolated_bias(
     executor: Executor = SERIAL,
     progress: Progress | None = None,
 ) -> Bias:
-    """Bias of an estimator in total and by flux; the same whatever the executor."""
+    """Estimate the bias of an estimator, in total and by flux; the result does not depend on the executor."""
     shears = experiment.shears
     about: Sequence[complex] = [0j] * len(shears)
-    # Without a shear the estimate is next to none: that is where it is expanded.
+    # Without a shear the estimate is nearly zero, so that the expansion is about zero.
     is_piloted = estimator.is_expanded and any(shears)
     pilot = min(_pilot(experiment), galaxies) if is_piloted else 0
     meter = Meter(progress)
@@ -179,18 +182,20 @@ def estimate_isolated_bias(
 
 
 def _trained(experiment: Experiment, estimator: Estimator, galaxies: int) -> Estimator:
-    """Let the estimator learn from galaxies without a shear, as a survey has them; not those that are measured."""
+    """Return the estimator trained on unsheared galaxies other than those that are measured."""
     if not estimator.is_learning:
         return estimator
     unlensed = mock_galaxies(replace(experiment, shears=(0j,)), galaxies, TRAINING)
     # The first of the realisations of each galaxy.
     sources = (mock.source for mock in islice(unlensed, 0, None, len(TURNED)))
-    rows = (observe(estimator.learner, source) for source in sources)
-    return estimator.trained(Sample.from_rows([row for row in rows if row is not None]), 0j)
+    rows = [row for source in sources if (row := observe(estimator.learner, source)) is not None]
+    if not rows:
+        raise InputError("no galaxy passes the cuts; the estimator needs some to learn from")
+    return estimator.trained(Sample.from_rows(rows), 0j)
 
 
 def _pilot(experiment: Experiment) -> int:
-    """Count the galaxies that are drawn for a first guess."""
+    """Return the number of galaxies to draw for a first guess of the shear."""
     flux = experiment.population.flux.draw(10_000, np.random.default_rng(experiment.seed))
     passing = np.mean((flux >= experiment.flux_min) & (flux <= experiment.flux_max))
     return max(PILOT, math.ceil(FEWEST / max(float(passing), 1e-3)))
@@ -198,14 +203,14 @@ def _pilot(experiment: Experiment) -> int:
 
 @dataclass(frozen=True)
 class BlockSums:
-    """Sums of an estimator's terms over the galaxies of a task, by bin of flux; the last bin is of all other fluxes.
+    """Sums of an estimator's terms over the galaxies of a task, by bin of flux; the last bin holds all other fluxes.
 
     Parameters
     ----------
     values
         Two numbers and four of their response.
     count
-        Number of galaxies that tell something.
+        Number of galaxies that contribute.
     failed
         Number of measurements that failed.
     """
@@ -241,36 +246,41 @@ def sum_terms(
     first: int,
     number: int,
 ) -> BlockSums:
-    """Draw galaxies ``first`` and on; add up the estimator's terms of each behind every shear, expanded ``about`` it."""
+    """Draw galaxies from number ``first`` on, and sum the estimator's terms of each galaxy with every shear.
+
+    Parameters
+    ----------
+    about
+        Shears about which the terms are expanded, one for each shear of the experiment.
+    first, number
+        Number of the first galaxy, and number of galaxies.
+    """
     bins = len(FLUX_BINS) + 1
     values, failed = np.zeros((bins, len(about), 6)), np.zeros(bins)
     members: list[set[int]] = [set() for _ in range(bins)]
-    rows: list[list[_Row]] = [[] for _ in about]
+    seen: list[list[tuple[int, int, Row]]] = [[] for _ in about]
     for mock in mock_galaxies(experiment, first, number):
         if experiment.measured_snr_min > 0 and not _is_bright(mock, experiment.measured_snr_min):
             continue
+        place = _bin_of(mock.source.flux)
         row = observe(estimator, mock.source)
         if row is None:
-            failed[_bin_of(mock.source.flux)] += 1
+            failed[place] += 1
         else:
-            rows[mock.shear].append((mock.number, row))
-    for shear, seen in enumerate(rows):
-        if not seen:
+            # The facet, which may have megabytes, is not held.
+            seen[mock.shear].append((mock.number, place, row))
+    for shear, found in enumerate(seen):
+        if not found:
             continue
-        sample = Sample.from_rows([row for _, row in seen])
+        sample = Sample.from_rows([row for _, _, row in found])
         terms = sky_terms(estimator, sample, about[shear])
-        for k, (galaxy, row) in enumerate(seen):
-            place = _bin_of(float(row["flux"]))
+        for k, (galaxy, place, _) in enumerate(found):
             if not np.isfinite(terms.value[k]).all():
                 failed[place] += 1
             elif terms.response[k].any():
                 members[place].add(galaxy)
                 values[place, shear] += np.concatenate([terms.value[k], terms.response[k].ravel()])
     return BlockSums(values, np.array([float(len(galaxies)) for galaxies in members]), failed)
-
-
-_Row: TypeAlias = tuple[int, dict[str, float | Array]]
-"""Number of a galaxy, and its row of a sample."""
 
 
 def _bin_of(flux: float) -> int:
@@ -285,12 +295,12 @@ def _is_bright(mock: MockGalaxy, snr_min: float) -> bool:
 
 
 def mock_galaxies(experiment: Experiment, first: int, number: int) -> Iterator[MockGalaxy]:
-    """Draw galaxies ``first`` and on, and yield each behind every shear in every realisation."""
+    """Draw galaxies from number ``first`` on, and yield every realisation of each galaxy with every shear."""
     rng = np.random.default_rng([experiment.seed, first])
     more_rng = np.random.default_rng([experiment.seed, first, 1])
     galaxies = experiment.draw(number, rng)
     size = experiment.size.prior(galaxies.flux)
-    # At the phase centre the frame of (l, m) is that of the sky but for the sign of the second component.
+    # At the phase centre the frames of (l, m) and of the sky differ by the sign of the second component.
     shears = [complex(shear).conjugate() for shear in experiment.shears]
     lensed = [
         ([experiment.lens(part.galaxies(galaxies), g) for g in shears], part.noise)
@@ -321,7 +331,7 @@ def mock_galaxies(experiment: Experiment, first: int, number: int) -> Iterator[M
 
 
 def _given(noise: FacetNoise) -> Callable[[int], Complex[Array, " cell"]]:
-    """Return what draws this noise, whatever the seed: it goes with the realisation."""
+    """Return a function that gives this noise, the noise of the realisation, whatever the seed."""
 
     def draw(seed: int) -> Complex[Array, " cell"]:
         del seed

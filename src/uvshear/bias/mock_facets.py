@@ -1,7 +1,7 @@
 """Facets of galaxies that are alone in the beam, drawn without visibilities.
 
-The correlation of a facet is the beam's power times the model, plus noise of that variance in each component: that is
-what visibilities would have been summed to.
+The correlation of a facet is the power of the beam times the model, plus noise whose variance in each component is that
+power. The sum over visibilities would have the same distribution.
 """
 
 import math
@@ -28,11 +28,10 @@ from uvshear.shapes.template import Template
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
 SCALE_LENGTHS = 45.0
-"""Width of a facet over the median scale length, as the extraction's."""
+"""Width of a facet over the median scale length, as in the extraction."""
 
 WIDEST = 560
-"""Pixels to a side at most: a beam's image ends somewhere."""
-
+"""Largest side of a facet [pixels], which the image of the beam must cover."""
 
 FacetNoise = Complex[Array, " cell"]
 """Noise of a facet's cells, in standard deviations of each component."""
@@ -64,13 +63,13 @@ class FacetSimulator:
         return first + 1j * second
 
     def turned(self, noise: FacetNoise) -> FacetNoise:
-        """Return the noise of a sky turned by a right angle, from l towards m."""
+        """Return the noise of a sky that is turned by a right angle from l towards m."""
         cell, is_opposite = self._quarter_turn
         return np.where(is_opposite, noise[cell].conj(), noise[cell])
 
     @cached_property
     def _quarter_turn(self) -> tuple[Int[Array, " cell"], Bool[Array, " cell"]]:
-        """Cell from which a turn brings each one's noise, and whether it comes from the other half plane."""
+        """For each cell, the cell that a quarter turn takes there, and whether that is in the other half plane."""
         u, v = self.uv.T
         before = np.column_stack([v, -u])
         tree = KDTree(np.concatenate([self.uv, -self.uv]))
@@ -81,13 +80,13 @@ class FacetSimulator:
         return found % len(u), found >= len(u)
 
     def facet(self, galaxy: GalaxyFit, profile: Profile, noise: FacetNoise) -> Facet:
-        """Return the facet to which visibilities of a galaxy with such noise would have been summed."""
+        """Return the facet of a galaxy with noise, as the sum over its visibilities would be."""
         model = Template(self.uv, profile).model(galaxy)
         correlation = self.power * model + np.sqrt(self.power) * noise
         return Facet(self.uv, correlation, self.power)
 
     def snr_of_jansky(self, prior: ShapePrior, profile: Profile) -> float:
-        """Signal-to-noise ratio of a round galaxy of one jansky and of the prior's median size."""
+        """Return the signal-to-noise ratio of a round galaxy of one jansky and of the prior's median size."""
         galaxy = GalaxyFit(1.0, np.zeros(2), 0j, math.exp(prior.log_scale_length), 0.0)
         model = Template(self.uv, profile).model(galaxy)
         return math.sqrt(float(np.sum(self.power * np.abs(model) ** 2)))
@@ -100,9 +99,11 @@ class MockBeam:
     Parameters
     ----------
     image
-        [Jy^-2], on pixels of ``pixel`` [rad].
+        Image of the beam [Jy^-2].
+    pixel
+        Side of a pixel of the image [rad].
     longest
-        Baseline in it [wavelengths].
+        Longest baseline in the image [wavelengths].
     """
 
     image: Float[Array, "l m"]
@@ -118,9 +119,14 @@ class MockBeam:
         smallest: float,
         executor: Executor = SERIAL,
     ) -> Self:
-        """Gather the beam for scale lengths down to ``smallest`` [rad], and the spectral index of the ``galaxies``.
+        """Gather the beam of an observation.
 
-        Fluxes of facets are those of catalogues.
+        Parameters
+        ----------
+        galaxies
+            A galaxy of the population's spectral index; fluxes of facets are those of the catalogue.
+        smallest
+            Scale length of the smallest galaxies [rad].
         """
         longest = SMALL / smallest
         pixel = 1 / (2 * OVERSAMPLING * longest)

@@ -1,4 +1,4 @@
-"""Realisations of one galaxy whose averages are free of noise and of intrinsic shape."""
+"""Realisations of a galaxy and its noise, in whose average both cancel."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -10,7 +10,15 @@ from uvshear.galaxy import Galaxies
 
 @dataclass(frozen=True)
 class Realisation:
-    """What is done to galaxies before they are lensed, and to their noise."""
+    """Transformation of galaxies before they are lensed, and of their noise.
+
+    Parameters
+    ----------
+    galaxies
+        Map from the galaxies that were drawn to those of the realisation.
+    noise
+        Map from the noise that was drawn to that of the realisation.
+    """
 
     galaxies: Callable[[Galaxies], Galaxies]
     noise: Callable[[FacetSimulator, FacetNoise], FacetNoise]
@@ -41,7 +49,7 @@ def _negative(simulator: FacetSimulator, noise: FacetNoise) -> FacetNoise:
 OPPOSITE: Final = tuple(
     Realisation(shape, noise) for shape in (_as_drawn, _crossed) for noise in (_same, _negative)
 )
-"""Ellipticities of both signs with noise of both signs: what is odd in either cancels."""
+"""Ellipticities of both signs with noise of both signs: all terms that are odd in either cancel."""
 
 
 def _turn(realisation: Realisation) -> Realisation:
@@ -52,7 +60,7 @@ def _turn(realisation: Realisation) -> Realisation:
 
 
 TURNED: Final = (*OPPOSITE, *(_turn(realisation) for realisation in OPPOSITE))
-"""All of these, and all of them turned by a right angle with their noise.
+"""The realisations of ``OPPOSITE``, and the same turned by a right angle together with their noise.
 
-Without a shear nothing is left but what the beam's own direction does: one galaxy tells as much of the additive bias as
-a hundred galaxies of the others."""
+Without a shear only the effect of the direction of the beam remains in the average: one galaxy determines the additive
+bias as well as a hundred galaxies with the realisations of ``OPPOSITE`` alone."""

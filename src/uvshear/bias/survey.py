@@ -1,4 +1,4 @@
-"""The survey whose galaxies are simulated: what is observed, and which galaxies are counted."""
+"""The survey whose galaxies are simulated: its observation, and the cuts that select galaxies."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -33,12 +33,12 @@ from uvshear.simulation.sky_region import SquareField
 
 @dataclass(frozen=True)
 class Survey:
-    """What is observed, and which galaxies are counted.
+    """An observation of a population, and the cuts that select galaxies.
 
     Parameters
     ----------
     plan
-        The observation.
+        Array, track and channels.
     population
         Distributions of fluxes, sizes and ellipticities.
     noise
@@ -46,20 +46,20 @@ class Survey:
     profile
         True brightness profile.
     lens
-        What a shear does to galaxies.
+        Map of galaxies by a shear.
     snr_min
-        Signal-to-noise ratio, by the catalogue's flux and the median size, below which galaxies are left out: no shear
-        changes that cut.
+        Signal-to-noise ratio below which galaxies are left out, computed from the catalogue's flux and the median size,
+        so that shear does not move galaxies across the cut.
     measured_snr_min
-        Signal-to-noise ratio of the fit below which a measurement is left out; of galaxies alone in the beam.
+        Signal-to-noise ratio of the fit below which a measurement is left out. Only for galaxies alone in the beam.
     flux_min, flux_max
-        Catalogue's fluxes below and above which galaxies are left out [Jy].
+        Catalogue fluxes below and above which galaxies are left out [Jy].
     position_sigma
-        Standard error of the catalogue's positions in l and in m [rad]; of galaxies alone in the beam.
+        Standard error of the catalogue's positions in l and in m [rad]. Only for galaxies alone in the beam.
     has_rings
-        Whether galaxies are seen with e and -e; those of a crowded field always are.
+        Whether galaxies are simulated with e and -e; in a crowded field they always are.
     averages_cells
-        Whether facets are the paper's, which average in cells; of galaxies alone in the beam.
+        Whether facets are the paper's, which average in cells. Only for galaxies alone in the beam.
     """
 
     plan: ObservingPlan
@@ -77,7 +77,7 @@ class Survey:
 
     @classmethod
     def of_the_paper(cls) -> Self:
-        """Return 8 h of SKA-Mid AA4 at declination -30 deg in samples of 300 s and one channel of 950 to 1190 MHz."""
+        """Return 8 h of SKA-Mid AA4 at declination -30 deg in integrations of 300 s, one channel of 950 to 1190 MHz."""
         centre = PhaseCentre(0.0, math.radians(-30.0))
         track = Track.from_clock(centre, ((-4 * 3600, 4 * 3600),), 300.0)
         channels = Channels.from_band(950e6, 1190e6, 1)
@@ -86,7 +86,7 @@ class Survey:
     def isolated(
         self, shears: tuple[complex, ...], seed: int = 1, executor: Executor = SERIAL
     ) -> Experiment:
-        """Galaxies alone in the beam, on exact facets or on the paper's."""
+        """Return the experiment with galaxies alone in the beam, on exact facets or on the paper's."""
         empty = self._observed(self._nobody(), None, executor)
         beam = (
             CellAverageBeam.gather(empty)
@@ -116,14 +116,22 @@ class Survey:
         seed: int = 1,
         executor: Executor = SERIAL,
     ) -> FieldExperiment:
-        """So many galaxies together in the beam, at a density [arcmin^-2]."""
+        """Return the experiment with galaxies together in the beam.
+
+        Parameters
+        ----------
+        number
+            Number of galaxies.
+        density
+            Number of galaxies per square arcminute.
+        """
         usual = replace(
             self, measured_snr_min=0.0, position_sigma=0.0, has_rings=True, averages_cells=False
         )
         if usual != self:
             raise InputError(
-                "cuts by the measured signal-to-noise ratio, errors of positions, missing rings and the paper's facets"
-                " are for galaxies alone in the beam; leave them out, or the density"
+                "a cut on the measured signal-to-noise ratio, position errors, no rings, and the paper's facets"
+                " are options for galaxies alone in the beam; leave out these options or the density"
             )
         side = math.sqrt(number / density) * ARCMIN
         galaxies = draw_population(
@@ -140,7 +148,7 @@ class Survey:
         return FieldExperiment(galaxies, seen, shears, used, self.lens, self.profile, executor)
 
     def _smallest(self) -> float:
-        """Scale length two sigma below the median of the faintest galaxies [rad]."""
+        """Return the scale length two standard deviations below the median of the faintest galaxies [rad]."""
         faintest = self.population.size.prior(np.array([self.population.flux.minimum]))
         return float(np.exp(faintest.log_median[0] - 2 * faintest.sigma[0]))
 

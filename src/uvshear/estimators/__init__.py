@@ -1,6 +1,6 @@
-"""Estimators of the shear, one file each: what is kept of a facet, and how it becomes the terms of a ratio of sums.
+"""Estimators of the shear, one file each: the statistics that are kept of a facet, and the terms of the ratio of sums.
 
-``estimator`` says what an estimator is; ``mean``, ``moments``, ``bayesian`` and ``metacal`` are estimators, which
+``estimator`` has the base class; ``mean``, ``moments``, ``bayesian`` and ``metacal`` have the estimators, which
 ``registry`` finds by name. ``estimate`` turns a ``Sample`` of measured or simulated sources into a ``ShearEstimate``.
 """
 

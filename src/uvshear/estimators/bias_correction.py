@@ -1,4 +1,4 @@
-"""A simulated bias, taken out of a shear."""
+"""Removal of a simulated bias from a shear."""
 
 import math
 from collections.abc import Mapping
@@ -9,7 +9,15 @@ from uvshear.estimators.shear_estimate import ShearEstimate
 
 @dataclass(frozen=True)
 class Component:
-    """g measured = (1 + m) g + c of one component, with standard errors."""
+    """Bias of one component of the shear: g measured = (1 + m) g + c.
+
+    Parameters
+    ----------
+    m, m_err
+        Multiplicative bias and its standard error.
+    c, c_err
+        Additive bias and its standard error.
+    """
 
     m: float
     m_err: float
@@ -17,35 +25,35 @@ class Component:
     c_err: float
 
     def corrected(self, measured: float, error: float) -> tuple[float, float]:
-        """Shear behind a measured one, and its error: the measurement's, c's and m's in quadrature."""
+        """Return the shear without the bias, and its standard error: those of shear, c and m in quadrature."""
         g = (measured - self.c) / (1 + self.m)
         return g, math.sqrt(error**2 + self.c_err**2 + (g * self.m_err) ** 2) / (1 + self.m)
 
 
 Pair = tuple[Component, Component]
-"""Of both components."""
+"""Biases of both components of the shear."""
 
 
 @dataclass(frozen=True)
 class BiasCorrection:
-    """Bias of an estimator, in total and by flux.
+    """A simulated bias of an estimator, with the options under which it was simulated.
 
     Parameters
     ----------
     total
-        Of all galaxies.
+        Bias of all galaxies.
     bins
-        By the name of the bin.
+        Bias of the galaxies of each bin of flux, by the name of the bin.
     estimator
-        Its name.
+        Name of the estimator.
     snr_min, flux_min
-        Cuts that the galaxies had passed, by signal-to-noise ratio and by flux [Jy].
+        Signal-to-noise ratio and flux [Jy] below which galaxies were left out.
     prior
-        Where a Bayesian estimate's population had come from: ``paper``, ``fitted`` or ``file``.
+        Origin of the population of a Bayesian estimate: ``paper``, ``fitted`` or ``file``.
     averages_cells
-        Whether it is of the paper's facets.
+        Whether the facets were the paper's, which average in cells.
     cuts_on_measured
-        Whether the signal-to-noise ratio of the cut was that of the fit, as a shear's is.
+        Whether ``snr_min`` cut the fitted signal-to-noise ratio, as it does for a shear, rather than the catalogue's.
     """
 
     total: Pair
@@ -58,14 +66,14 @@ class BiasCorrection:
     cuts_on_measured: bool = True
 
     def applied(self, estimate: ShearEstimate) -> ShearEstimate:
-        """Take the bias out of the shear of all galaxies."""
+        """Return the shear of all galaxies without the bias."""
         return _without(self.total, estimate)
 
     def applied_by_flux(self, estimates: Mapping[str, ShearEstimate]) -> dict[str, ShearEstimate]:
-        """Take its own bias out of the shear of each bin; bins that were not simulated are left out."""
+        """Return the shear of each bin without the bias of that bin; bins that were not simulated are left out."""
         return {
-            name: _without(self.bins[name], one)
-            for name, one in estimates.items()
+            name: _without(self.bins[name], estimate)
+            for name, estimate in estimates.items()
             if name in self.bins
         }
 

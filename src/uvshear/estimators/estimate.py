@@ -1,4 +1,4 @@
-"""From a sample and an estimator to the shear, in total and by flux."""
+"""The shear of a sample by an estimator, in total and by flux."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,19 +14,19 @@ from uvshear.execution import SERIAL, Executor
 from uvshear.progress import Meter
 
 ROUNDS = 3
-"""Rounds of an expansion about the estimate: what is left is of the fourth order in the error of the first round."""
+"""Rounds of an expansion about the estimate; the remaining error is of the fourth order in that of the first round."""
 
 LARGEST = 0.3
-"""Largest shear that an expansion is taken about."""
+"""Largest shear about which an expansion is taken."""
 
 FEWEST = 20
-"""Sources that a bin of flux has at least, to have a shear of its own."""
+"""Smallest number of sources for which a bin of flux has a shear of its own."""
 
 LEAST = 2
-"""Sources that a shear needs."""
+"""Smallest number of sources that have a shear."""
 
 PART = 64
-"""Sources that are worked on at a time."""
+"""Number of sources of a task of the executor."""
 
 
 def estimate_sample_shear(
@@ -35,17 +35,22 @@ def estimate_sample_shear(
     executor: Executor = SERIAL,
     meter: Meter | None = None,
 ) -> ShearEstimate:
-    """Shear of a sample, in the frame of the sky, with the shear of each bin of the column ``flux``.
+    """Estimate the shear of a sample in the frame of the sky, with that of each bin of the column ``flux``.
 
     An estimator that learns does so first, from the whole sample.
 
     Raises
     ------
     InputError
-        Fewer than two sources tell anything of the shear.
+        Fewer than two sources tell anything of the shear, or the estimator would have had to learn earlier.
     """
     meter = meter or Meter(None)
     if estimator.is_learning:
+        if estimator.learner is not estimator:
+            raise InputError(
+                f"the estimator '{estimator.name}' wraps '{estimator.learner.name}', which learns from a sample: that"
+                f" comes before the measurement, whose statistics depend on it"
+            )
         first = _estimate(estimator, sample, executor, meter)
         estimator = estimator.trained(sample, first.shear, meter)
     total = _estimate(estimator, sample, executor, meter)
@@ -64,8 +69,8 @@ def _estimate(
         told = terms.select(terms.tells)
         if len(told) < LEAST:
             raise InputError(
-                f"the shear of {len(told)} galaxies that tell anything of it, of {len(sample)} that were chosen;"
-                f" {LEAST} or more are needed"
+                f"the shear of {len(sample)} galaxies, of which {len(told)} tell anything of it; {LEAST} or more such"
+                f" galaxies are needed"
             )
         found = ratio(told)
         if number < rounds:
@@ -89,7 +94,7 @@ def sky_terms(
     executor: Executor = SERIAL,
     meter: Meter | None = None,
 ) -> Terms:
-    """Terms of every source of a sample in the frame of the sky, expanded about a shear in that frame."""
+    """Return the terms of every source in the frame of the sky, expanded about a shear in that frame."""
     parts = [
         sample.select(slice(first, first + PART)) for first in range(0, max(len(sample), 1), PART)
     ]
@@ -110,14 +115,14 @@ def _terms_of_part(setting: tuple[Estimator, complex], part: Sample) -> Terms:
 
 
 def within_reach(shear: complex) -> complex:
-    """Return the shear, or one of ``LARGEST`` in its direction: a first estimate of few galaxies may be anything."""
+    """Return the shear, or one of modulus ``LARGEST`` in its direction: that of few galaxies may be wild."""
     return shear * min(1.0, LARGEST / max(abs(shear), 1e-12))
 
 
 def _by_flux(
     estimator: Estimator, sample: Sample, executor: Executor, meter: Meter
 ) -> Iterator[tuple[str, ShearEstimate]]:
-    """Shear of the sources in each bin of the catalogue's flux that has enough of them."""
+    """Yield the shear of the sources in each bin of the catalogue's flux that has enough of them."""
     if "flux" not in sample.columns:
         return
     for flux_bin in FLUX_BINS:
@@ -127,7 +132,7 @@ def _by_flux(
         try:
             found = _estimate(estimator, sample.select(inside), executor, meter)
         except InputError:
-            # Galaxies that tell nothing tell nothing together, however many there are.
+            # Too few of them tell anything of the shear.
             continue
         if found.n >= FEWEST:
             yield flux_bin.name, found

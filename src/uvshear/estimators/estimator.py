@@ -1,10 +1,10 @@
-"""What an estimator of the shear is: one class in one file, for measured and for simulated samples alike."""
+"""The base class of estimators of the shear: one class in one file, for measured and for simulated samples alike."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar, Self
 
-from uvshear.estimators.sample import Sample
+from uvshear.estimators.sample import Row, Sample
 from uvshear.estimators.terms import Terms
 from uvshear.estimators.uncertainty import Jackknife, Uncertainty
 from uvshear.progress import Meter
@@ -17,24 +17,23 @@ from uvshear.typing import Array, Complex
 class Estimator(ABC):
     """An estimator of the shear as a ratio of sums over sources.
 
-    From the facet of a source it takes the numbers that are kept (:meth:`statistic`), and from these, and from the
-    table of shapes, the terms of the two sums (:meth:`terms`). A subclass is best a frozen dataclass: fields called
-    ``population``, ``position_sigma``, ``wrapped`` or ``seed`` are set by the options of the commands that have them.
+    The facet of a source gives the numbers that are kept of it (:meth:`statistic`); these and the table of shapes give
+    the terms of the two sums (:meth:`terms`). A subclass is best a frozen dataclass. Its fields ``population``,
+    ``fits_population``, ``position_sigma``, ``wrapped`` and ``seed``, if it has them, are set by the options of the
+    commands.
 
     Attributes
     ----------
     name
-        The name by which options and files know the estimator.
+        Name of the estimator in options and files.
     columns
         Statistics that are kept of every source beside its shape, by name; none where the shapes are enough.
     shape_columns
-        Columns of the table of shapes that the terms are made of.
+        Columns of the table of shapes that the terms need.
     is_expanded
-        Whether the terms are an expansion about a shear: the ratio is then iterated.
-    is_learning
-        Whether something is learnt from the sample first (:meth:`trained`).
+        Whether the terms are an expansion about a shear, so that the ratio is iterated.
     remark
-        What a user must know of the estimates, in one line for the terminal; empty if there is nothing.
+        A line for the terminal with what a user must know of every estimate; empty if there is nothing to say.
     """
 
     name: ClassVar[str]
@@ -44,22 +43,30 @@ class Estimator(ABC):
     remark: ClassVar[str] = ""
 
     def statistic(self, source: SourceFacet) -> Kept | None:
-        """Work out the kept numbers of a source from its facet; None where the source has none."""
+        """Return the numbers of ``columns`` that are kept of a source; None where it has none."""
         del source
         return {}
 
+    def numbers(self, source: SourceFacet) -> Mapping[str, object] | None:
+        """Return what :meth:`terms` needs of the facet of a simulated source: its statistic, unless overridden.
+
+        An estimator that packs its statistic for the file spares a simulated sample the packing.
+        """
+        return self.statistic(source)
+
     @abstractmethod
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
-        """Work out the terms of every source of a sample.
+        """Return the terms of every source of a sample.
 
-        The terms of a source depend on that source alone, since a sample may be worked on in parts.
+        The terms of a source depend on that source alone: a sample is worked on in parts.
 
         Parameters
         ----------
         sample
-            Sources with the columns ``columns`` and ``shape_columns``.
+            Sources with the columns ``columns`` (or :meth:`numbers`) and ``shape_columns``.
         about
-            Shear at each source about which the terms are expanded, in the frame of (l, m) as the ellipticities are.
+            Shear at each source about which the terms are expanded, in the frame of (l, m) as the ellipticities are;
+            zeros unless ``is_expanded``.
 
         Returns
         -------
@@ -68,12 +75,12 @@ class Estimator(ABC):
 
     @property
     def is_learning(self) -> bool:
-        """Whether something is learnt from the sample first."""
+        """Whether the estimator first learns something from the sample (:meth:`trained`)."""
         return False
 
     @property
     def learner(self) -> "Estimator":
-        """The estimator whose columns a sample needs for :meth:`trained`."""
+        """The estimator whose numbers :meth:`trained` needs; another one only of an estimator that wraps it."""
         return self
 
     def trained(self, sample: Sample, about: complex, meter: Meter | None = None) -> Self:
@@ -81,33 +88,33 @@ class Estimator(ABC):
 
         Parameters
         ----------
+        sample
+            Sources with the numbers of :attr:`learner`.
         about
             Shear that the sample is behind, in the frame of the sky.
         meter
-            Hears of every source that was worked on.
+            Counts the sources that were worked on.
         """
         del sample, about, meter
         return self
 
     @property
     def uncertainty(self) -> Uncertainty:
-        """The way in which standard errors are found."""
+        """The method by which standard errors are found."""
         return Jackknife()
 
     def record(self) -> dict[str, object]:
-        """Return what the estimator assumes, for files: names and values that JSON knows."""
+        """Return what the estimator assumes, as names and values for a JSON file."""
         return {}
 
 
-def observe(estimator: Estimator, source: SourceFacet) -> dict[str, float | Array] | None:
-    """Row of a sample from the facet of one source; None where the source cannot be measured."""
-    row: dict[str, float | Array] = {"flux": source.flux}
+def observe(estimator: Estimator, source: SourceFacet) -> Row | None:
+    """Return the row of a sample for the facet of one source; None where the source cannot be measured."""
+    row: Row = {"flux": source.flux}
     if set(estimator.shape_columns) - set(row):
         shape = source.shape
         if shape.flag is not FitFlag.OK:
             return None
         row |= shape_values(shape, source.population)
-    kept = estimator.statistic(source)
-    if kept is None:
-        return None
-    return row | dict(kept)
+    numbers = estimator.numbers(source)
+    return None if numbers is None else row | dict(numbers)

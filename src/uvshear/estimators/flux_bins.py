@@ -1,4 +1,4 @@
-"""Bins of the catalogue's flux, by which shears and biases are told."""
+"""Bins of the catalogue's flux, for which shears and biases are reported beside the total."""
 
 from dataclasses import dataclass
 
@@ -15,11 +15,11 @@ class FluxBin:
 
     @property
     def name(self) -> str:
-        """As files and tables have it."""
+        """Name of the bin in files and on the terminal."""
         return f"{self.low / MICROJANSKY:g}-{self.high / MICROJANSKY:g} uJy"
 
     def holds(self, flux: Float[Array, " source"]) -> Bool[Array, " source"]:
-        """Which fluxes [Jy] are inside."""
+        """Tell which fluxes [Jy] are inside the bin."""
         return (flux >= self.low) & (flux < self.high)
 
 

@@ -17,12 +17,12 @@ class Mean(Estimator):
 
     .. math:: g = \frac{\sum w e}{\sum w}
 
-    Noise biases it (Rivi & Miller 2018, Table 2: m about -0.1 at a signal-to-noise ratio of 10 and more).
+    Noise biases the mean: m is about -0.1 at signal-to-noise ratios of 10 and more (Rivi & Miller 2018, Table 2).
 
     Parameters
     ----------
     seed
-        Seed of the bootstrap by which its errors are found.
+        Seed of the bootstrap that gives the standard errors.
     """
 
     seed: int = 1
@@ -36,12 +36,12 @@ class Mean(Estimator):
     )
 
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
-        """Ellipticity times weight, and the weight."""
+        """Return ellipticity times weight, and the weight."""
         weight = np.asarray(sample["weight"], float)
         e = np.stack([sample["e1"], sample["e2"]], axis=-1)
         return Terms(e, np.broadcast_to(np.eye(2), (len(sample), 2, 2))).weighted(weight)
 
     @property
     def uncertainty(self) -> Uncertainty:
-        """A thousand bootstrap samples, as in the paper."""
+        """A bootstrap of a thousand samples, as in the paper."""
         return Bootstrap(seed=self.seed)

@@ -19,25 +19,25 @@ from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.typing import Array, Complex, Float
 
 _LONGEST = REACH * WIDEST * (1 + STEP)
-"""Baselines that a round beam may take [wavelengths]."""
+"""Longest baseline that a round beam may need [wavelengths]."""
 
 _Beam: TypeAlias = tuple[int, float, tuple[float, ...]]
-"""Size of a facet, its longest baseline and the shape of its beam: sources that share them share their weights."""
+"""Size of a facet, its longest baseline and the shape of its beam: sources that share these share a round beam."""
 
 _Measure: TypeAlias = Callable[[Facet], Float[Array, " 2"] | None]
 
 
 @dataclass(frozen=True)
 class Metacal(Estimator):
-    """Numbers of another estimator behind a round beam, and their differences between sheared data.
+    """Terms of another estimator behind a round beam, with their response from differences between sheared data.
 
-    The response is that to a shear about none, and so the ratio has the third order of the shear in it: 0.002 of m for
-    moments at a shear of 0.03.
+    The response is that at zero shear, so that the third order in the shear is left in the ratio: it gives moments
+    m = 0.002 at a shear of 0.03.
 
     Parameters
     ----------
     wrapped
-        Estimator whose numbers are taken; the mean of ellipticities unless given.
+        Estimator that is applied behind the round beam; the mean of ellipticities unless given.
     seed
         Seed of the noise that is added to the data.
     """
@@ -57,7 +57,7 @@ class Metacal(Estimator):
     }
 
     def statistic(self, source: SourceFacet) -> Kept | None:
-        """Measure the source behind the round beam, and four times more behind small shears."""
+        """Measure the source behind the round beam, once as it is and four times behind small shears."""
         noise = source.draw_noise(self.seed)
         longest = min(source.cells.longest, _LONGEST)
         is_near = np.hypot(*source.facet.uv.T) <= longest
@@ -85,14 +85,8 @@ class Metacal(Estimator):
 
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
         """Return the kept numbers and responses as they are."""
-        value, response = (
-            [f"mc{i}" for i in (1, 2)],
-            [f"mc_r{i}{j}" for i in (1, 2) for j in (1, 2)],
-        )
-        return Terms(
-            np.stack([sample[name] for name in value], axis=-1),
-            np.stack([sample[name] for name in response], axis=-1).reshape(-1, 2, 2),
-        )
+        kept = np.stack([np.asarray(sample[name], float) for name in self.columns], axis=-1)
+        return Terms(kept[:, :2], kept[:, 2:].reshape(-1, 2, 2))
 
     @property
     def is_learning(self) -> bool:
@@ -101,15 +95,15 @@ class Metacal(Estimator):
 
     @property
     def learner(self) -> Estimator:
-        """The wrapped estimator."""
+        """The wrapped estimator, or the one that this in turn wraps."""
         return self.wrapped.learner
 
     def trained(self, sample: Sample, about: complex, meter: Meter | None = None) -> Self:
-        """Let the wrapped estimator learn."""
+        """Return metacalibration of the wrapped estimator with what that learns."""
         return replace(self, wrapped=self.wrapped.trained(sample, about, meter))
 
     def record(self) -> dict[str, object]:
-        """Tell what is wrapped, and what that assumes."""
+        """Return the name of the wrapped estimator, and what that assumes."""
         return {"wraps": self.wrapped.name, **self.wrapped.record()}
 
 
@@ -120,11 +114,11 @@ def _differences(
     total: float,
     measure: _Measure,
 ) -> tuple[Float[Array, " 2"], Float[Array, "2 2"]] | None:
-    """Numbers of a galaxy and their derivatives by the shear; None where it was never measured.
+    """Return the value of a galaxy and its derivatives by the shear; None if no measurement of it succeeded.
 
-    A shear may make a measurement fail, which then counts as zeros.
+    A shear may make a measurement fail. Such a measurement counts as zeros: its failure is part of the response.
     """
-    # The weights are those of a facet whose unit of flux may be another.
+    # The round beam was made for a facet whose unit of flux may be another.
     unit = math.sqrt(total / beam.total)
     seen = beam.metacalibration.sheared_facets(facet.correlation / unit, noise)
     facets = [seen.unsheared, *seen.sheared[0], *seen.sheared[1]]
@@ -138,7 +132,17 @@ def _differences(
 
 @dataclass(frozen=True)
 class _RoundBeam:
-    """Weights for facets of one size and beam, whose power adds up to ``total``, and the cells of the round beam."""
+    """The round beam for facets of one size and one beam.
+
+    Parameters
+    ----------
+    total
+        Sum of the power of the facet for which it was made [Jy^-2].
+    metacalibration
+        Takes facets behind the round beam, as they are and sheared.
+    cells
+        Cells of the facets behind the round beam.
+    """
 
     total: float
     metacalibration: Metacalibration
@@ -146,6 +150,7 @@ class _RoundBeam:
 
     @classmethod
     def behind(cls, facet: Facet, cells: Cutout, total: float) -> Self:
+        """Choose the round beam for facets like this one, whose power adds up to ``total``."""
         power = np.asarray(facet.power, float)
         scale = scale_of(facet.uv, power)
         round_cells = cutout(cells.size, cells.pixel, 0.0, REACH * scale)

@@ -14,23 +14,24 @@ from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.typing import Array, Complex, Float
 
 ELLIPTICITY_SCATTER = 0.3
-"""Standard deviation of a noise-free galaxy's M over its R."""
+"""Standard deviation of M/R over galaxies without noise."""
 
 RESPONSE = 1.5
-"""R over the flux for a galaxy of an arcsecond, in the units of the moments."""
+"""R over the flux for a galaxy with a scale length of an arcsecond."""
 
 _LONGEST = 1.5 * REACH * SCALE
-"""Baselines that the weights of moments may reach [wavelengths], whatever the error of the position."""
+"""Longest baseline to which the weight function may reach [wavelengths], whatever the error of the position."""
 
 _Beam = tuple[int, float, tuple[float, ...]]
-"""Size of a facet, its longest baseline and the shape of its beam: sources that share them share their weights."""
+"""Size of a facet, its longest baseline and the shape of its beam: sources that share these share a functional."""
 
 
 @dataclass(frozen=True)
 class Moments(Estimator):
-    """Moments of the visibility function about the catalogue's position: linear in the data, so without noise bias.
+    """Moments of the visibility function about the catalogue's position.
 
-    They do not depend on a profile or on a prior (``shapes.moments`` has the mathematics).
+    They are linear in the data, so that they have no noise bias, and they depend neither on a profile nor on a prior
+    (``shapes.moments`` has the mathematics).
 
     Parameters
     ----------
@@ -61,7 +62,7 @@ class Moments(Estimator):
 
     def statistic(self, source: SourceFacet) -> Kept:
         """Measure the moments, with their responses and the covariance of their noise."""
-        # Sources of one size and one beam share its power, all but for long baselines that moments do not take.
+        # Facets of one size and one beam differ only on long baselines, which moments do not use.
         longest = min(source.cells.longest, _LONGEST)
         facet = source.facet.within(longest)
         total, shape = facet.beam_shape()
@@ -72,7 +73,7 @@ class Moments(Estimator):
             functional = MomentFunctional(facet.uv, power, width, self.position_sigma)
             self._functionals[beam] = total, functional
         first_total, functional = self._functionals[beam]
-        # The weights are those of a facet whose unit of flux may be another.
+        # The functional was made for a facet whose unit of flux may be another.
         unit = math.sqrt(total / first_total) if first_total > 0 else 1.0
         moments = functional.measure(facet.correlation / unit**2)
         covariance = moments.covariance / unit**2
@@ -90,13 +91,12 @@ class Moments(Estimator):
         }
 
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
-        r"""Moments and their responses, weighted by the catalogue's flux.
-
-        The expansion about an estimate of the shear is exact to the fourth order where the estimate is to the second:
+        r"""Return moments and responses, weighted by :func:`moment_weight`, to the third order in the shear.
 
         .. math:: \sum M = \sum \big[R + (\mathrm{tr} R/2 - 2 K) |g|^2\big]\, g
 
-        with K the third order of ``shapes.moments``.
+        K is the third order of ``shapes.moments``. The factor :math:`|g|^2` is that of the shear about which the terms
+        are expanded; the ratio is exact to the fourth order where that shear is to the second.
         """
         value = np.stack([sample["m1"], sample["m2"]], axis=-1)
         r11, r12, r22 = sample["r11"], sample["r12"], sample["r22"]
@@ -117,7 +117,8 @@ def moment_weight(
 
     .. math:: w = \frac{R}{\sigma_e^2 R^2 + \sigma_M^2},\quad R = 1.5 S
 
-    It is a function of what neither the shear nor the noise of the moments changes: a fitted flux would not do.
+    It depends only on quantities that neither the shear nor the noise of the moments changes: a fitted flux would not
+    do.
     """
     response = RESPONSE * flux
     return response / (ELLIPTICITY_SCATTER**2 * response**2 + variance)

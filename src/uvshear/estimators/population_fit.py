@@ -1,16 +1,17 @@
-r"""The population fitted to the very galaxies that are lensed: how large, how scattered in size, how elliptical.
+r"""Fit of the population to the very galaxies that are lensed: their sizes and ellipticities.
 
-With theta = the intercept of the size-flux relation, the logarithms of its scatter and of the two scales of the
-ellipticities' distribution, each galaxy's evidence P(D|g, theta) is that of ``shear.bayesian``. Few galaxies do not
-tell all of it (of a hundred, how round the roundest are), so theta has a prior, a normal one about where it starts: a
-population is taken to be like the first guess within a factor of e. The sum of all logarithms is climbed by steps
+The parameters theta are the intercept of the size-flux relation and the logarithms of its scatter and of the two scales
+of the distribution of ellipticities; P(D|g, theta) is the evidence of ``estimators.evidence``. A small sample does not
+determine all of them: a hundred galaxies do not show how round the roundest are. Therefore theta has a normal prior
+about its start, by which the population is taken to be like the first guess within a factor of e. The sum of the
+logarithms is maximised by steps
 
 .. math::
     \delta\theta = C\,\Big(\sum s_i - \frac{\theta - \theta_0}{w^2}\Big),\quad
     C = \Big(\sum s_i s_i^T + w^{-2}\Big)^{-1},\quad s_i = \nabla_\theta \ln P(D_i|g, \theta)
 
-(the matrix is that of Berndt, Hall, Hall & Hausman 1974, positive by construction); C at the end is the covariance of
-theta.
+where the matrix, that of Berndt, Hall, Hall & Hausman 1974, is positive by construction. At the maximum C is the
+covariance of theta.
 """
 
 import math
@@ -29,20 +30,19 @@ from uvshear.progress import Meter
 from uvshear.typing import Array, Float
 
 LIKENESS = 1.0
-"""w: standard deviation of each parameter about the first guess, in its logarithm."""
+"""Standard deviation w of the prior of each parameter, in its logarithm, about the first guess."""
 
 DIFFERENCE = 0.03
-"""Of an ellipticity's parameter, to either side, for the gradient."""
+"""Step of a parameter of the ellipticities, to either side, in the differences that give the gradient."""
 
 LONGEST = 0.4
-"""Step of a parameter at most."""
+"""Longest step of a parameter."""
 
 _ROUNDS, _FORESEEN = 20, 6
-"""At most, and as a rule."""
+"""Largest number of steps, and the number that is usual."""
 
 _TOLERANCE = 0.1
-"""Step over its error at which the climb ends."""
-
+"""Step over its standard error below which the maximum is taken as reached."""
 
 LensedLikelihood: TypeAlias = tuple[ShapeLikelihood, complex]
 """Likelihood of a galaxy's shape, and the shear that the galaxy is behind, both in the frame of (l, m)."""
@@ -50,7 +50,15 @@ LensedLikelihood: TypeAlias = tuple[ShapeLikelihood, complex]
 
 @dataclass(frozen=True)
 class FittedPopulation:
-    """A population, and the covariance of what was fitted of it, in the order of ``moved``'s parameters."""
+    """A population whose sizes and ellipticities were fitted.
+
+    Parameters
+    ----------
+    population
+        The most probable population.
+    covariance
+        Covariance of the parameters that were fitted, in the order of :func:`moved`.
+    """
 
     population: UnlensedPopulation
     covariance: Float[Array, "parameter parameter"]
@@ -72,7 +80,10 @@ class FittedPopulation:
 
 
 def moved(population: UnlensedPopulation, step: Float[Array, " parameter"]) -> UnlensedPopulation:
-    """Take a step in ln of the size, of its scatter, and of the two scales of the ellipticities if they have them."""
+    """Return a population a step away in ln of the size, of its scatter, and of both scales of the ellipticities.
+
+    A distribution of ellipticities other than ``DiscEllipticityPrior`` has no such scales and stays as it is.
+    """
     size = replace(
         population.size,
         intercept=population.size.intercept + float(step[0]),
@@ -95,7 +106,18 @@ def fit_population(
 ) -> FittedPopulation:
     """Fit size and ellipticity of the population to galaxies, each with the shear that it is behind.
 
-    An ellipticity prior of another kind than ``DiscEllipticityPrior`` stays as it is. The meter counts galaxies.
+    Parameters
+    ----------
+    start
+        First guess of the population, about which the parameters have their prior. Its fluxes are not fitted, nor are
+        ellipticities of another kind than ``DiscEllipticityPrior``.
+    meter
+        Counts galaxies.
+
+    Raises
+    ------
+    InputError
+        There are fewer than ten galaxies for each parameter, or no maximum was found.
     """
     count = 4 if isinstance(start.ellipticity, DiscEllipticityPrior) else 2
     if len(galaxies) < 10 * count:
@@ -114,7 +136,7 @@ def fit_population(
         if is_there:
             return FittedPopulation(moved(start, theta), covariance)
     raise InputError(
-        f"no population was found in {_ROUNDS} steps: galaxies of another kind, or too few"
+        f"no population was found in {_ROUNDS} steps: the galaxies are of another kind, or too few"
     )
 
 
@@ -124,8 +146,8 @@ def _scores(
     count: int,
     meter: Meter,
 ) -> Float[Array, "galaxy parameter"]:
-    """Gradient of each galaxy's log evidence; zero where the population has no such galaxy."""
-    # Those of the size are known without differences.
+    """Return the gradient of each galaxy's log evidence; zero where the population has no such galaxy."""
+    # The derivatives by the two parameters of the size need no differences.
     steps = DIFFERENCE * np.eye(count)[2:]
     sides = [
         (moved(population, step).ellipticity, moved(population, -step).ellipticity)

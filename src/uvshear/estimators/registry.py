@@ -39,7 +39,7 @@ def estimator_of(given: EstimatorLike) -> Estimator:
 
 
 def estimators_of(given: EstimatorLike | Sequence[EstimatorLike]) -> tuple[Estimator, ...]:
-    """Return estimators from names joined by commas, or from a sequence of estimators, classes and names."""
+    """Return estimators from names joined by commas, or from estimators, classes and names; each name once."""
     parts = given.split(",") if isinstance(given, str) else given
     if isinstance(parts, Estimator | type):
         parts = (parts,)
@@ -56,14 +56,19 @@ def configured(
     asked: Mapping[str, Any] | None = None,
     offered: Mapping[str, Any] | None = None,
 ) -> Estimator:
-    """Return the estimator with settings that its class has as fields.
+    """Return the estimator with other values of the fields of its dataclass.
 
     Parameters
     ----------
     asked
-        Settings that somebody asked for: an estimator without such a field is refused.
+        Fields that the estimator must have, with their values.
     offered
-        Settings that are taken where the estimator has such a field, and left alone elsewhere.
+        Fields that are set only if the estimator has them.
+
+    Raises
+    ------
+    InputError
+        The estimator lacks a field that was asked for.
     """
     known = set(getattr(estimator, "__dataclass_fields__", {}))
     for name in asked or {}:

@@ -1,26 +1,29 @@
-"""What estimators of the shear are given: columns of numbers, one row a source."""
+"""The sources that an estimator of the shear is given: columns of numbers, one row for each source."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Self
+from typing import Self, TypeAlias
 
 import numpy as np
 
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
+Row: TypeAlias = dict[str, object]
+"""Numbers of one source by column: a float, or an object that is worth several numbers."""
+
 
 @dataclass(frozen=True)
 class Sample:
-    """Sources with what was measured or kept of them.
+    """Sources with the numbers that were measured or kept of them.
 
     Parameters
     ----------
     columns
-        Arrays of one length by name, in SI and radians; NaN (or an empty array) where a source has no value. Names are
-        those of the table of shapes and of the estimators' statistics.
+        Arrays of one length by name, in SI and radians; NaN (or an empty array) where a source has no value. The names
+        are those of the table of shapes and of the estimators' statistics.
     local_north
-        Angle of local North at each source, from the m axis towards +l [rad] (``geometry.directions.local_north``):
-        it turns what is in the frame of (l, m) to the frame of the sky.
+        Angle of local North at each source, from the m axis towards +l [rad] (``geometry.directions.local_north``). It
+        turns terms from the frame of (l, m) to that of the sky.
     """
 
     columns: Mapping[str, Array]
@@ -33,22 +36,23 @@ class Sample:
         return self.columns[name]
 
     def select(self, chosen: Bool[Array, " source"] | Int[Array, " chosen"] | slice) -> Self:
-        """Return some of the sources (any one-dimensional numpy index)."""
+        """Return the sources at an index, which is any one-dimensional index of numpy."""
         columns = {name: values[chosen] for name, values in self.columns.items()}
         return type(self)(columns, self.local_north[chosen])
 
     @classmethod
-    def from_rows(cls, rows: Sequence[Mapping[str, float | Array]]) -> Self:
-        """Put rows of the same columns together; the sources are at the phase centre."""
+    def from_rows(cls, rows: Sequence[Mapping[str, object]]) -> Self:
+        """Return a sample of sources at the phase centre from rows with the same columns."""
         columns = {name: _column([row[name] for row in rows]) for name in (rows[0] if rows else ())}
         return cls(columns, np.zeros(len(rows)))
 
 
-def _column(values: Sequence[float | Array]) -> Array:
-    if not any(isinstance(value, np.ndarray) for value in values):
+def _column(values: Sequence[object]) -> Array:
+    if all(isinstance(value, int | float | np.number) for value in values):
         return np.array(values, float)
     column = np.empty(len(values), object)
-    column[:] = values
+    for row, value in enumerate(values):
+        column[row] = value
     return column
 
 

@@ -1,4 +1,4 @@
-"""A shear as it was estimated."""
+"""An estimate of the shear."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,17 +15,17 @@ class ShearEstimate:
     Parameters
     ----------
     g1, g1_err, g2, g2_err
-        Components and standard errors.
+        Components and their standard errors.
     n
-        Number of sources that tell of it.
+        Number of sources that contribute.
     estimator
         Name of the estimator.
     frame
-        Frame of the components: "sky" is that of local North.
+        Frame of the components; "sky" is that of local North.
     bins
         Shear of the sources in each bin of the catalogue's flux, by the name of the bin.
     assumed
-        What the estimator assumed: names and values for files.
+        Assumptions of the estimator, as names and values for a JSON file.
     """
 
     g1: float
@@ -44,7 +44,7 @@ class ShearEstimate:
         return complex(self.g1, self.g2)
 
     def numbers(self) -> dict[str, float | int | str]:
-        """Return the estimate by name, without its bins."""
+        """Return the numbers of the estimate by name, without those of its bins."""
         names = ("g1", "g1_err", "g2", "g2_err", "n", "estimator", "frame")
         return {name: getattr(self, name) for name in names}
 

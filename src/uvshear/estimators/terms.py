@@ -22,9 +22,10 @@ class Terms:
     Parameters
     ----------
     value
-        v of each source; NaN where the source has none.
+        The numbers v of each source; NaN where they are not known.
     response
-        R of each source; the last index is that of the shear's component. Zero where the source tells nothing.
+        The response R of each source, the last index being that of the component of the shear. It is zero where the
+        source tells nothing of the shear.
     """
 
     value: Float[Array, "source 2"]
@@ -35,7 +36,7 @@ class Terms:
 
     @property
     def tells(self) -> Bool[Array, " source"]:
-        """Whether each source tells anything of the shear."""
+        """Mask of the sources that tell anything of the shear."""
         is_finite = np.isfinite(self.value).all(axis=1) & np.isfinite(self.response).all(
             axis=(1, 2)
         )
@@ -46,26 +47,31 @@ class Terms:
         return type(self)(self.value[chosen], self.response[chosen])
 
     def weighted(self, weight: Float[Array, " source"]) -> Self:
-        """Return the terms with every source counted by a weight."""
+        """Return the terms multiplied by a weight of each source."""
         return type(self)(weight[:, None] * self.value, weight[:, None, None] * self.response)
 
     def in_sky_frame(self, local_north: Float[Array, " source"]) -> Self:
-        """Turn terms of the frame of (l, m) to that of the sky.
+        r"""Return terms of the frame of (l, m) in the frame of the sky.
+
+        The components of a shear are turned by a symmetric matrix T that is its own inverse, and so
+
+        .. math:: v' = T v,\quad R' = T R T,\quad T = \begin{pmatrix} \cos 2\psi & -\sin 2\psi \\
+                  -\sin 2\psi & -\cos 2\psi \end{pmatrix}
 
         Parameters
         ----------
         local_north
-            Angle of local North at each source [rad].
+            Angle psi of local North at each source [rad].
         """
         cosine, sine = np.cos(2 * local_north), np.sin(2 * local_north)
-        # conj(g exp(2 i psi)): the turn, and the sign of g2, since East is to the left on the sky.
+        # T takes g to conj(g exp(2 i psi)): a turn, and the sign of g2, since East is to the left on the sky.
         turn = np.stack([cosine, -sine, -sine, -cosine], axis=-1).reshape(-1, 2, 2)
         value = np.einsum("sij,sj->si", turn, self.value)
-        return type(self)(value, turn @ self.response @ turn.swapaxes(1, 2))
+        return type(self)(value, turn @ self.response @ turn)
 
     @classmethod
     def joined(cls, parts: list[Self]) -> Self:
-        """Put the terms of several parts of a sample one after the other."""
+        """Return the terms of several parts of a sample, one after the other."""
         return cls(
             np.concatenate([np.zeros((0, 2)), *(part.value for part in parts)]),
             np.concatenate([np.zeros((0, 2, 2)), *(part.response for part in parts)]),
@@ -75,5 +81,5 @@ class Terms:
 def shear_in_field_frame(
     shear: complex, local_north: Float[Array, " source"]
 ) -> Complex[Array, " source"]:
-    """Shear at each source in the frame of (l, m), of one that is the same everywhere in the frame of the sky."""
+    """Return the shear at each source in the frame of (l, m) for one that is constant in the frame of the sky."""
     return to_field_frame(np.full(len(local_north), shear), local_north)

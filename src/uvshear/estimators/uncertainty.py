@@ -10,27 +10,27 @@ from uvshear.typing import Array, Float
 
 
 class Uncertainty(ABC):
-    """A way to find the standard error of a shear."""
+    """A method that finds the standard errors of a shear."""
 
     @abstractmethod
     def error(self, terms: Terms) -> Float[Array, " 2"]:
-        """Find the standard error of both components of the ratio of sums."""
+        """Return the standard errors of both components of the ratio of sums."""
 
 
 @dataclass(frozen=True)
 class Jackknife(Uncertainty):
-    """Errors from leaving out one block of sources after the other.
+    """Jackknife: blocks of sources are left out in turn.
 
     Parameters
     ----------
     blocks
-        Number of blocks; sources are dealt out to them in turn.
+        Number of blocks, to which sources are dealt out in turn.
     """
 
     blocks: int = 100
 
     def error(self, terms: Terms) -> Float[Array, " 2"]:
-        """Take it from the scatter of the estimates without each block."""
+        """Return the standard errors from the scatter of the estimates without each block."""
         count = len(terms)
         block = np.arange(count) % min(self.blocks, count)
         value = np.stack([np.bincount(block, terms.value[:, i]) for i in (0, 1)], axis=-1)
@@ -44,7 +44,7 @@ class Jackknife(Uncertainty):
 
 @dataclass(frozen=True)
 class Bootstrap(Uncertainty):
-    """Errors from samples drawn with replacement.
+    """Bootstrap: samples are drawn from the sources with replacement.
 
     Parameters
     ----------
@@ -58,23 +58,25 @@ class Bootstrap(Uncertainty):
     seed: int = 1
 
     def error(self, terms: Terms) -> Float[Array, " 2"]:
-        """Take it from the scatter of the estimates of the samples."""
+        """Return the standard errors from the scatter of the estimates of the drawn samples."""
         rng = np.random.default_rng(self.seed)
         count = len(terms)
-        found = np.empty((self.resamples, 2))
-        for row in found:
-            drawn = rng.integers(count, size=count)
-            row[:] = ratio(terms.select(drawn))
+        rows = np.concatenate([terms.value, terms.response.reshape(-1, 4)], axis=1)
+        sums = np.empty((self.resamples, rows.shape[1]))
+        for drawn in sums:
+            times = np.bincount(rng.integers(count, size=count), minlength=count)
+            drawn[:] = times @ rows
+        found = np.linalg.solve(sums[:, 2:].reshape(-1, 2, 2), sums[:, :2, None])[..., 0]
         return found.std(axis=0, ddof=1)
 
 
 def ratio(terms: Terms) -> Float[Array, " 2"]:
-    """Ratio of the sums, without the shear about which the terms are expanded."""
+    """Return the ratio of the sums, to which the shear of the expansion is yet to be added."""
     return np.linalg.solve(terms.response.sum(axis=0), terms.value.sum(axis=0))
 
 
 def jackknife_error(left: Float[Array, "block n"]) -> Float[Array, " n"]:
-    """Take the standard error from the estimates without each block in turn."""
+    """Return the jackknife's standard errors from the estimates without each block in turn."""
     count = len(left)
     error: Float[Array, " n"] = np.sqrt(
         (count - 1) / count * np.sum((left - left.mean(axis=0)) ** 2, axis=0)

@@ -1,4 +1,4 @@
-"""Biases as `uvshear bias` writes them, read to be taken out of a shear."""
+"""Files of `uvshear bias`, read so that the bias can be removed from a shear."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,13 +10,18 @@ from uvshear.estimators.shear_estimate import SKY
 from uvshear.io.records import finite, read_record
 
 _AS_MEASURED = {"wraps": "mean", "legacy_shear": False, "position_error_arcsec": 0.0}
-"""What a bias has in common with every table of shapes."""
+"""Options of a bias that agree with every table of shapes."""
 
 
 def read_correction(path: str | Path) -> BiasCorrection:
     """Read m and c of an estimator, in total and by flux.
 
-    Files of version 0.1.0 do not name a frame: theirs is that of (l, m), and c2 changes its sign.
+    Files of version 0.1.0 do not name a frame. Theirs is that of (l, m), so that c2 changes its sign.
+
+    Raises
+    ------
+    InputError
+        The file is damaged, or the bias is not that of measured shapes.
     """
     path = Path(path)
     record = read_record(path, "a file written by `uvshear bias`")
@@ -28,9 +33,9 @@ def read_correction(path: str | Path) -> BiasCorrection:
             f"{path}: is the bias of galaxies of no more than {most} uJy; a shear is that of all galaxies"
         )
     for name, usual in _AS_MEASURED.items():
-        if (its := record.get(name, usual)) not in (usual, None):
+        if (simulated := record.get(name, usual)) not in (usual, None):
             raise InputError(
-                f"{path}: was simulated with {name} = {its}, which no shear of measured shapes has"
+                f"{path}: was simulated with {name} = {simulated}, which does not agree with measured shapes"
             )
     sign = 1.0 if frame == SKY else -1.0
     rows = record.get("bins")

@@ -1,4 +1,4 @@
-"""A population in a JSON file: what a Bayesian shear takes galaxies to come from, or what was fitted to them.
+"""A population of galaxies in a JSON file: the one that a Bayesian shear assumes, or the one that was fitted.
 
 .. code-block:: json
 
@@ -6,7 +6,8 @@
      "size": {"intercept": -0.93, "slope": 0.33, "sigma": 0.3136},
      "ellipticity": {"c": 0.2298, "e0": 0.0732, "maximum": 0.804}}
 
-What is left out is the paper's (``PowerLawFlux``, ``SizeFluxRelation``, ``DiscEllipticityPrior`` have the meanings).
+Parameters that are left out are the paper's. ``PowerLawFlux``, ``SizeFluxRelation`` and ``DiscEllipticityPrior`` define
+them.
 """
 
 import math
@@ -26,13 +27,13 @@ _RANGES = {
     "c": (1e-4, 1e3),
     "e0": (1e-4, 1e3),
 }
-"""Of parameters that are no population's outside, and that nothing could be integrated over."""
+"""Smallest and largest values of parameters: beyond these no population has them, and integrals over it would fail."""
 
 _ERROR = "_err"
 
 
 def read_population(path: Path | str) -> UnlensedPopulation:
-    """Read a population: a file of its own, or of a shear that has it as ``population``."""
+    """Read a population from a file of its own, or from that of a shear or a bias, which has it as ``population``."""
     path = Path(path)
     record = read_record(path, "a population")
     parts = record.get("population", record)
@@ -43,18 +44,18 @@ def read_population(path: Path | str) -> UnlensedPopulation:
     for part, values in parts.items():
         given = _values(path, part, values)
         try:
-            its = replace(getattr(population, part), **given)
+            distribution = replace(getattr(population, part), **given)
         except InputError as error:
             raise InputError(f"{path}: {error}") from error
-        population = replace(population, **{part: its})
+        population = replace(population, **{part: distribution})
     return population
 
 
 def _values(path: Path, part: str, values: object) -> Mapping[str, float]:
-    """Parameters of a part, as their class has them."""
+    """Return the parameters of a part of a population by the fields of its class, in SI."""
     fields = PARAMETERS[part]
     if not isinstance(values, dict):
-        raise InputError(f"{path}: '{part}' is no object of {', '.join(fields)}")
+        raise InputError(f"{path}: '{part}' is not an object with {', '.join(fields)}")
     found = {}
     for name in values:
         if name.removesuffix(_ERROR) not in fields:

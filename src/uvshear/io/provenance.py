@@ -1,4 +1,4 @@
-"""What a file says about how it was made."""
+"""The origin of a file: command, inputs, options, version and date."""
 
 import json
 from collections.abc import Mapping
@@ -10,27 +10,27 @@ from typing import ClassVar
 
 @dataclass(frozen=True)
 class Provenance:
-    """How a file was made.
+    """The origin of a file.
 
     Parameters
     ----------
     command
-        The command or the function.
+        Command line, or name of the function.
     inputs
-        The files that it read.
+        Files that were read.
     options
-        The options that shaped the result.
+        Options that shaped the result.
     """
 
     KEYS: ClassVar = ("version", "command", "inputs", "options", "date")
-    """Names in the metadata of a table."""
+    """Names of the entries in the metadata of a table."""
 
     command: str
     inputs: tuple[str, ...] = ()
     options: Mapping[str, object] = field(default_factory=dict)
 
     def metadata(self) -> dict[str, str]:
-        """Return it as short keys and ASCII text, which every table format keeps."""
+        """Return short keys and ASCII text, which every table format keeps."""
         return {
             "version": f"uvshear {version('uvshear')}",
             "command": self.command.encode("ascii", "backslashreplace").decode(),
@@ -40,7 +40,7 @@ class Provenance:
         }
 
     def record(self) -> dict[str, object]:
-        """Return it as names and values for a JSON file."""
+        """Return names and values for a JSON file."""
         return {
             "version": version("uvshear"),
             "command": self.command,
@@ -51,7 +51,7 @@ class Provenance:
 
 
 def ascii_text(value: object) -> str:
-    """Write numbers, words, lists and mappings as JSON in ASCII, which every table format keeps."""
+    """Return numbers, text, lists and mappings as JSON in ASCII, which every table format keeps."""
     return json.dumps(value, default=str)
 
 

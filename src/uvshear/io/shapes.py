@@ -21,7 +21,17 @@ from uvshear.typing import Array, Float, Shaped
 
 @dataclass(frozen=True)
 class ShapeColumn:
-    """One column: what it means, its unit in files, and what that unit is inside the package."""
+    """A column of a table of shapes.
+
+    Parameters
+    ----------
+    description
+        Meaning of the column.
+    unit
+        Unit in files.
+    inside
+        That unit in the units of the package, SI and radians.
+    """
 
     description: str
     unit: str | None = None
@@ -74,16 +84,18 @@ def shapes_table(
     *,
     record: Mapping[str, object] | None = None,
 ) -> Table:
-    """Table of shapes from columns in SI and radians, in the units that files have.
+    """Return a table of shapes in the units of files.
 
     Parameters
     ----------
     values
-        Every column but those of :data:`DERIVED`; of these, ``ra`` and ``dec`` are taken if given.
+        Every column except those of :data:`DERIVED`, in SI and radians. ``ra`` and ``dec`` are taken if they are given.
     phase_centre
         Direction of l = m = 0.
+    provenance
+        Origin of the table, for its metadata.
     record
-        How the sources were told apart; text in ``meta["extract"]``.
+        Record of the extraction, which becomes text in ``meta["extract"]``.
     """
     needed = [name for name in COLUMNS if name not in DERIVED]
     if lacking := [name for name in needed if name not in values]:
@@ -114,7 +126,7 @@ def write_shapes(path: Path, table: Table, *, overwrite: bool = False) -> None:
 
 
 def read_shapes(path: Path) -> Table:
-    """Read a table of shapes, whoever wrote it, with the units of :data:`COLUMNS`."""
+    """Read a table of shapes, and convert its columns to the units of :data:`COLUMNS`."""
     table = read_table(path, "table of shapes written by `uvshear measure`")
     if len(table) == 0:
         raise InputError(f"{path}: has no rows; a table of at least one shape is needed")
@@ -138,14 +150,14 @@ def read_shapes(path: Path) -> Table:
                 table[name].convert_unit_to(expected.unit)
             except (units.UnitConversionError, TypeError) as error:
                 raise InputError(
-                    f"{path}: column '{name}' is in '{table[name].unit}', which is no unit of"
-                    f" {expected.unit}"
+                    f"{path}: column '{name}' is in '{table[name].unit}', which cannot be converted to"
+                    f" '{expected.unit}'"
                 ) from error
     return table
 
 
 def inside(table: Table, name: str) -> Float[Array, " source"]:
-    """Column of a table of shapes in SI and radians, NaN where it is empty."""
+    """Return a column of a table of shapes in SI and radians, NaN where it is empty."""
     if name not in table.colnames:
         raise InputError(
             f"the table of shapes has no column '{name}'; one written by `uvshear measure` has it"
@@ -155,12 +167,12 @@ def inside(table: Table, name: str) -> Float[Array, " source"]:
 
 
 def metadata(table: Table) -> dict[str, object]:
-    """Return the metadata of a table by their names in small letters; FITS has them in capitals."""
+    """Return the metadata of a table by name in lower case; FITS has names in capitals."""
     return {str(name).lower(): value for name, value in table.meta.items()}
 
 
 def extraction_record(table: Table) -> Mapping[str, object]:
-    """Tell how the sources of a table of shapes were told apart; empty where it does not say."""
+    """Return the record of the extraction from a table of shapes; empty where it has none."""
     try:
         record = json.loads(str(metadata(table).get("extract", "{}")))
     except ValueError:
@@ -169,18 +181,18 @@ def extraction_record(table: Table) -> Mapping[str, object]:
 
 
 def averages_cells(table: Table) -> bool:
-    """Whether a table of shapes says that it is of facets which average in cells, the paper's."""
+    """Tell whether the shapes were measured on the paper's facets, which average in cells."""
     return extraction_record(table).get("averages_cells") is True
 
 
 def phase_centre_of(table: Table) -> PhaseCentre:
-    """Phase centre of the axes l and m of a table of shapes."""
+    """Return the phase centre of the axes l and m of a table of shapes."""
     known = metadata(table)
     try:
         ra, dec = (math.radians(float(str(known[name]))) for name in ("ra0_deg", "dec0_deg"))
     except (KeyError, ValueError) as error:
         raise InputError(
-            "the table of shapes does not say its phase centre (ra0_deg and dec0_deg of its metadata), by which its"
-            " ellipticities are turned to local North; a table written by `uvshear measure` does"
+            "the table of shapes lacks its phase centre (ra0_deg and dec0_deg in its metadata), which is needed to turn"
+            " ellipticities to local North; a table written by `uvshear measure` has it"
         ) from error
     return PhaseCentre(ra, dec)

@@ -1,4 +1,4 @@
-"""The file beside a table of shapes that holds what estimators of the shear need of every source."""
+"""The file beside a table of shapes that holds the statistics for estimators of the shear."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,19 +13,25 @@ from uvshear.typing import Array
 
 
 def statistics_path(shapes: Path) -> Path:
-    """Name of the file that goes with a table of shapes."""
+    """Return the name of the file of statistics that belongs to a table of shapes."""
     return shapes.with_name(f"{shapes.stem}.stats.fits")
 
 
 def statistics_table(
     shapes: Table, estimators: Sequence[Statistic], kept: Mapping[int, Kept]
 ) -> Table:
-    """Table of what was kept for estimators, a row for every row of the shapes; NaN or an empty array where nothing is.
+    """Return the table of statistics, with a row for every row of the shapes.
+
+    A source without statistics has NaN or an empty array.
 
     Parameters
     ----------
+    shapes
+        Table of shapes.
+    estimators
+        Estimators whose statistics were kept.
     kept
-        Statistics by the number of the row.
+        Statistics of each source, by the number of its row.
     """
     table = Table({"id": shapes["id"]})
     table.meta["estimators"] = ",".join(getattr(statistic, "name", "") for statistic in estimators)
@@ -58,18 +64,19 @@ def write_statistics(
 
 
 def read_statistics(path: Path, shapes_path: Path, shapes: Table) -> Table:
-    """Read the statistics that go with a table of ``shapes``, whose rows they share."""
+    """Read the statistics that belong to a table of shapes, and check that both have the same sources."""
     table = read_table(path, "file written by `uvshear measure --keep`")
     for name, read in ((path, table), (shapes_path, shapes)):
         if "id" not in read.colnames:
             raise InputError(f"{name}: has no column 'id'; a table as it was measured is needed")
     if len(table) != len(shapes):
         raise InputError(
-            f"{path}: has {len(table)} rows, {shapes_path} {len(shapes)}; both are of one measurement"
+            f"{path}: has {len(table)} rows and {shapes_path} has {len(shapes)}; the files of one measurement have"
+            " the same number"
         )
     if np.any(_identifiers(table) != _identifiers(shapes)):
         raise InputError(
-            f"{path}: is of other sources than {shapes_path}; measure again, or sort neither"
+            f"{path}: has other sources than {shapes_path}, or the same in another order; measure again"
         )
     # FITS has keys in capitals.
     table.meta = {str(name).lower(): value for name, value in table.meta.items()}

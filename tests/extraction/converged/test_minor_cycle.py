@@ -92,9 +92,7 @@ def test_couplings_that_are_known_are_taken(first):
 def test_executors_change_no_bit(prepared, first):
     state, moves = run_minor_cycle(prepared.state, TOLERANCE, in_threads(2), nothing, afresh=True)
     assert moves == first[1]
-    np.testing.assert_array_equal(
-        prepared.ellipticities(state), prepared.ellipticities(first[0])
-    )
+    np.testing.assert_array_equal(prepared.ellipticities(state), prepared.ellipticities(first[0]))
 
 
 def test_every_fit_is_heard_of(prepared):

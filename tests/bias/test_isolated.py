@@ -4,10 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from uvshear.extraction.keep import MomentStatistic
-
 from uvshear.bias.bias import fit_bias
-from uvshear.bias.cell_average import LADDER
 from uvshear.bias.estimators import (
     BayesianEstimator,
     Estimator,
@@ -18,6 +15,9 @@ from uvshear.bias.estimators import (
     SelectedEstimator,
 )
 from uvshear.bias.experiment import TURNED, Experiment, calibrate, sums_of
+from uvshear.extraction.keep import MomentStatistic
+
+from uvshear.bias.cell_average import LADDER
 from uvshear.bias.survey import Survey
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
