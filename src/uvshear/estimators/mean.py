@@ -30,7 +30,7 @@ class Mean(Estimator):
     name = "mean"
     shape_columns = ("e1", "e2", "weight")
     remark = (
-        "noise biases the mean of ellipticities: the shear comes out about 10 per cent too small at a"
+        "noise biases the mean of ellipticities: the shear is about 10 per cent too small at a"
         " signal-to-noise ratio of 10; `--estimator moments` and `--estimator bayesian` have no"
         " such bias"
     )

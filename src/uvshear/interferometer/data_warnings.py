@@ -57,8 +57,8 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
     found += [f"{name}: {notice}" for notice in quality.notices]
     if ratio is not None and abs(ratio - 1) > WEIGHTS_OFF:
         found.append(
-            f"{name}: the noise is {ratio:.3g} times what the weights claim, judging by the scatter of neighbouring" "
-            samples; all errors are wrong by this factor unless the weights are corrected or the noise is taken from the
-            data" " (--noise data)"
+            f"{name}: the noise is {ratio:.3g} times what the weights claim, judging by the scatter of neighbouring"
+            " samples; all errors are wrong by this factor unless the weights are corrected or the noise is taken from"
+            " the data (--noise data)"
         )
     return tuple(found)
