@@ -128,8 +128,7 @@ class Response:
         return self._rms(self._factors(self._need_probes(), galaxies))
 
     def attenuations(self, galaxies: Galaxies) -> Float[Array, " source"]:
-        """Fraction of each source's flux that averaging and primary beams leave, as a root mean square over the
-        probes."""
+        """Fraction of each source's flux that averaging and primary beams leave, as an rms over the probes."""
         if self.attenuation is None:
             return np.ones(len(galaxies))
         return self.strengths(galaxies) / replace(self, attenuation=None).strengths(galaxies)
