@@ -75,7 +75,7 @@ def test_ellipticities_of_another_kind_are_left_out() -> None:
         ([], "is not a population"),
         ({"sizes": {}}, "has 'sizes'; a population has flux, size, ellipticity"),
         ({"population": 3}, "has no parts"),
-        ({"size": 3}, "'size' is no object of intercept, slope, sigma"),
+        ({"size": 3}, "'size' is not an object with intercept, slope, sigma"),
         ({"size": {"scatter": 0.3}}, "'size' has 'scatter'; it has intercept, slope, sigma"),
         ({"size": {"sigma": "wide"}}, "'size' has no number as 'sigma'"),
         ({"size": {"sigma": -0.3}}, "'size' has -0.3 as 'sigma'; it must be between 0.01 and 10"),
