@@ -30,8 +30,8 @@ class Bias:
     m, m_err, c, c_err
         Multiplicative and additive bias of both components; m is NaN where no shear was applied.
     response
-        Response of the estimator's terms to both components, summed over all measurements: the weight of these galaxies
-        in a mean over galaxies of different fluxes.
+        Response of the estimator's terms to both components, summed over the measurements of a galaxy and averaged over
+        galaxies: the weight of these galaxies in a mean over galaxies of different fluxes.
     n
         Number of galaxies, each measured several times.
     failed
