@@ -68,7 +68,9 @@ def commit() -> str:
             ["git", *arguments], check=True, capture_output=True, text=True, cwd=root
         ).stdout.strip()
 
-    changed = git("status", "--porcelain", "--untracked-files=no", "--", ".", ":!benchmarks/results")
+    changed = git(
+        "status", "--porcelain", "--untracked-files=no", "--", ".", ":!benchmarks/results"
+    )
     return git("rev-parse", "--short=10", "HEAD") + ("-dirty" if changed else "")
 
 

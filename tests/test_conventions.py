@@ -8,7 +8,7 @@ import pytest
 from tests.reference import direct_sum, dirty
 from tests.skies import L_BAND, galaxies, random_baselines
 from uvshear.constants import ARCSEC, REFERENCE_FREQUENCY, SPECTRAL_INDEX, SPEED_OF_LIGHT
-from uvshear.extraction import MeasurementOptions
+from uvshear.extraction import Model
 from uvshear.galaxy import DiscEllipticityPrior, FlatEllipticityPrior
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.geometry.ellipticity import add_shear, sheared_scale_length
@@ -130,9 +130,9 @@ def test_fluxes_are_at_1_4_ghz_with_index_minus_0_7_unless_told():
 
 
 def test_the_prior_of_the_posterior_mean_is_flat_unless_told():
-    options = MeasurementOptions()
-    assert options.ellipticity == FlatEllipticityPrior(0.95)
-    assert options.population == DiscEllipticityPrior()
+    model = Model()
+    assert model.ellipticity == FlatEllipticityPrior(0.95)
+    assert model.population == DiscEllipticityPrior()
 
 
 def test_the_envelope_knows_no_order_of_conjugate_baselines():

@@ -1,4 +1,4 @@
-"""How every numba kernel of the package is compiled."""
+"""The decorators with which all numba kernels of the package are compiled."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,9 +8,9 @@ import numba
 compiled: Callable[..., Any] = numba.njit(
     fastmath=True, error_model="numpy", cache=True, nogil=True
 )
-"""Vectorised (no check of divisions, sums in any order), kept on disk, run beside other threads."""
+"""Compile a kernel: vectorised (no check of divisions, sums in any order), cached on disk, without Python's lock."""
 
 inlined: Callable[..., Any] = numba.njit(
     fastmath=True, error_model="numpy", cache=True, nogil=True, inline="always"
 )
-"""The same, for functions called within loops that shall vectorise."""
+"""Compile a function that is called within loops which should vectorise."""

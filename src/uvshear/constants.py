@@ -1,4 +1,4 @@
-"""Numbers of nature and of notation, in SI and radians."""
+"""Physical constants, units and conventions, in SI and radians."""
 
 import math
 from typing import Final

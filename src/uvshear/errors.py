@@ -1,4 +1,4 @@
-"""What a wrong call raises, and what a user is warned of. What goes wrong with a source is a flag in its row."""
+"""The exception of wrong inputs and the warning about data. The failure of a single source is a flag in its row."""
 
 
 class InputError(ValueError):
@@ -6,4 +6,4 @@ class InputError(ValueError):
 
 
 class DataWarning(UserWarning):
-    """There is something about the data that a user should know although they are measured all the same."""
+    """Fact about the data that a user should know, although it does not prevent their measurement."""

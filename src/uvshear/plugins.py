@@ -1,4 +1,4 @@
-"""Objects by name: those of the package, those that installed packages register, and those in a file of the user.
+"""Objects by name: those of the package, those that installed packages register, and those in a user's own file.
 
 A package registers a profile, say, by an entry point of the group ``uvshear.profiles`` in its ``pyproject.toml``:
 
@@ -35,7 +35,7 @@ class Registry:
     own
         Places (``module:object``) of the objects of this package, by name.
     aliases
-        Further names: the name that each stands for.
+        Alternative names, with the name that each stands for.
     """
 
     kind: str
@@ -44,7 +44,7 @@ class Registry:
     aliases: Mapping[str, str]
 
     def names(self) -> tuple[str, ...]:
-        """Return all registered names: those of this package in their order, then those of entry points."""
+        """Return all registered names: first those of this package in their order, then those of entry points."""
         others = sorted(point.name for point in self._registered() if point.name not in self.own)
         return (*self.own, *others)
 
@@ -75,7 +75,7 @@ class Registry:
                 return point.value
         raise InputError(
             f"'{name}' is not a known {self.kind}; {', '.join(self.names())} are known,"
-            f" and MODULE:NAME is imported"
+            f" and MODULE:NAME names an object of your own"
         )
 
     def _registered(self) -> list[EntryPoint]:

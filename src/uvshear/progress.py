@@ -1,29 +1,29 @@
-"""How much of a long work is done."""
+"""Progress of a long computation."""
 
 from collections.abc import Callable
 
 Progress = Callable[[int, int], None]
-"""Called with what is done and what there is; there may turn out to be more."""
+"""Function that is called with the work done so far and the total work expected, which may grow."""
 
 
 class Meter:
-    """Work done and work foreseen, in whatever unit: galaxies, or nanoseconds."""
+    """Work that is done and work that is expected, in any unit: galaxies, or nanoseconds."""
 
     def __init__(self, progress: Progress | None) -> None:
         self._progress = progress
         self._done = self._total = 0.0
 
     def expect(self, work: float) -> None:
-        """Foresee more work."""
+        """Expect more work."""
         self._total += work
 
     def finish(self) -> None:
-        """Nothing is left to do, whatever was foreseen."""
+        """Report that nothing is left to do, whatever was expected."""
         self._total = self._done
         self.add(0.0)
 
     def add(self, work: float = 1.0) -> None:
-        """Tell of work done."""
+        """Report work that is done."""
         self._done += work
         if self._progress is not None:
             self._progress(round(self._done), round(max(self._total, self._done)))

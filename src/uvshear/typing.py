@@ -1,6 +1,7 @@
 """Array types with named axes: ``row chan corr source cell sample`` are the only axis names.
 
-``Real[Array, "row 3"]`` reads: real numbers, one line a row, three columns. Tests check them at run time.
+``Real[Array, "row 3"]`` means real numbers with one line for each row and three columns. Tests check the types at run
+time.
 """
 
 from typing import TypeAlias

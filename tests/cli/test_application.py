@@ -33,6 +33,53 @@ def test_help_has_an_example(uvshear: Callable, command: str) -> None:
     assert re.search(rf"Example: uvshear\s+{command}", outcome.out)
 
 
+@pytest.mark.parametrize("command", GROUPED)
+def test_options_are_grouped_in_one_order(uvshear: Callable, command: str) -> None:
+    told = uvshear(command, "--help").out
+    groups = re.findall(r"^(\w[\w ]+):$", told, re.M)
+    assert len(groups) > 2
+    assert groups == [group for group in GROUPS if group in groups]
+
+
+@pytest.mark.parametrize("columns", [80, 100])
+def test_the_list_of_commands_is_not_cut(
+    uvshear: Callable, monkeypatch: pytest.MonkeyPatch, columns: int
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    told = uvshear("--help").out
+    lines = told[told.index("Commands:") :].splitlines()[1 : len(COMMANDS) + 1]
+    assert [line.split()[0] for line in lines] == list(COMMANDS)
+    assert all(line.endswith(".") and not line.endswith("...") for line in lines)
+
+
+@pytest.mark.parametrize("columns", [80, 100])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_fits_the_terminal(
+    uvshear: Callable, monkeypatch: pytest.MonkeyPatch, command: str, columns: int
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    assert max(map(len, uvshear(command, "--help").out.splitlines())) <= columns
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_no_help_begins_in_the_middle_of_a_sentence(command: str) -> None:
+    known = typer.main.get_command(application.app).commands[command]
+    texts = [known.help, known.short_help, *(part.help for part in known.params)]
+    assert all(text for text in texts)
+    assert [text for text in texts if re.match(r"(Of|How|By)\b", text)] == []
+
+
+def test_the_package_runs_as_a_module() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "uvshear", "layouts", "alma"],
+        capture_output=True,
+        check=False,
+        text=True,
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith("uvshear: error: layout alma: neither a known array")
+
+
 def test_help_does_not_wait_for_heavy_imports() -> None:
     check = (
         "import sys, uvshear.cli.application as a\n"

@@ -1,6 +1,7 @@
 import json
 import re
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,17 @@ def test_the_bias_of_moments_is_told_and_written(uvshear: Callable, tmp_path: Pa
     assert outcome.status == 0, outcome.err
     record = json.loads(output.read_text())
     assert set(FIELDS) | {"snr_min", "seed", "version"} <= set(record)
+    assert record["frame"] == "sky"
+    assert record["command"] == "uvshear bias"
+    assert record["inputs"] == []
+    assert record["options"]["estimator"] == "moments"
+    assert record["cuts"] == {
+        "snr_min": 15.0,
+        "selection": "catalogue",
+        "flux_min_ujy": 0.0,
+        "flux_max_ujy": None,
+    }
+    assert datetime.fromisoformat(record["date"]).utcoffset() is not None
     assert (record["snr_min"], record["seed"], record["version"]) == (15.0, 2, __version__)
     assert abs(record["m1"]) < 0.005
     assert record["m1_err"] < 0.003
@@ -122,7 +134,7 @@ def test_nothing_to_learn_a_population_from_is_told(uvshear: Callable, tmp_path:
     words = ("--prior", "fitted", "--flux-min-ujy", "300", "-o", tmp_path / "bias.json")
     outcome = uvshear("bias", "--estimator", "bayesian", *QUICK, *words)
     assert outcome.status == 2
-    assert "0 galaxies: a population is fitted to 40 or more" in outcome.err
+    assert "no galaxy passes the cuts; the estimator needs some to learn from" in outcome.err
 
 
 def test_the_papers_facets_round_galaxies(uvshear: Callable, tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 import json
 import shutil
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +12,15 @@ from astropy.io import fits
 from astropy.table import Table
 from casacore import tables
 
+import uvshear as package
 from tests.io.measurement_sets import real_set
-from uvshear import __version__, pipeline
-from uvshear.cli.extractions import ExtractionName, extraction_of
-from uvshear.cli.names import FacetName
+from uvshear.cli.extractions import ExtractionChoice, FacetName
 from uvshear.estimators.packing import PACKED, unpack
-from uvshear.extraction import ConvergedExtraction, MeasurementOptions, PaperExtraction
-from uvshear.extraction.options import default_extraction
+from uvshear.extraction import ConvergedExtraction, PaperExtraction
 from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable, ScaleLengths
 from uvshear.extraction.paper.exact import ExactFacets
 from uvshear.io.shapes import COLUMNS, read_shapes
-from uvshear.io.statistics import statistics_path
+from uvshear.io.statistics import read_statistics, statistics_path
 
 CONTRACT = 21
 """Columns that commands.md fixes, the first of the table."""
@@ -33,7 +32,7 @@ def test_shapes_are_measured_and_tell_how(
     output = tmp_path / "shapes.fits"
     outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output, "--uv-min", "10")
     assert outcome.status == 0, outcome.err
-    assert all("has not settled" in line for line in outcome.err.splitlines())
+    assert all("has not converged" in line for line in outcome.err.splitlines())
     shapes = read_shapes(output)
     assert shapes.colnames[:CONTRACT] == list(COLUMNS)[:CONTRACT]
     assert shapes["id"].tolist() == [1, 2, 3]
@@ -41,7 +40,9 @@ def test_shapes_are_measured_and_tell_how(
     options = json.loads(shapes.meta["OPTIONS"])
     assert options["uv_min"] == 10.0
     assert not {"threads", "overwrite", "output"} & set(options)
-    assert shapes.meta["VERSION"] == f"uvshear {__version__}"
+    assert shapes.meta["VERSION"] == f"uvshear {package.__version__}"
+    assert shapes.meta["COMMAND"] == "uvshear measure"
+    assert datetime.fromisoformat(shapes.meta["DATE"]).utcoffset() is not None
 
 
 def test_two_sets_of_a_pointing_are_measured_together(
@@ -58,22 +59,23 @@ def test_two_sets_of_a_pointing_are_measured_together(
 
 
 def test_extraction_and_facets_are_chosen_by_name_and_size() -> None:
-    converged, paper = ExtractionName.CONVERGED, ExtractionName.PAPER
     exact, cells = FacetName.EXACT, FacetName.CELL_AVERAGE
+
+    def chosen(name: str, *options: Any) -> package.Extraction:
+        return ExtractionChoice(name, *options).extraction()
+
     for facet in (None, exact):
-        assert extraction_of(converged, facet, None, None) == default_extraction()
+        assert chosen("converged", facet) == ConvergedExtraction()
     # A uv-min that is asked for is taken at its word, 0 too.
-    assert extraction_of(converged, None, None, None, 0.0) == ConvergedExtraction(shortest=0.0)
-    assert extraction_of(converged, None, 60.0, None) == ConvergedExtraction(scale_lengths=60.0)
+    assert chosen("converged", None, None, None, 0.0) == ConvergedExtraction(shortest=0.0)
+    assert chosen("converged", None, 60.0) == ConvergedExtraction(scale_lengths=60.0)
     for facet in (None, cells):
-        assert extraction_of(paper, facet, None, None) == PaperExtraction(
-            CellAverageFacets(PaperTable()), rounds=1
-        )
-    assert extraction_of(paper, cells, 76.0, 3) == PaperExtraction(
-        CellAverageFacets(ScaleLengths(76)), rounds=3
+        assert chosen("paper", facet) == PaperExtraction(CellAverageFacets(PaperTable()), passes=1)
+    assert chosen("paper", cells, 76.0, 3) == PaperExtraction(
+        CellAverageFacets(ScaleLengths(76)), passes=3
     )
-    assert extraction_of(paper, exact, None, None) == PaperExtraction(ExactFacets())
-    assert extraction_of(paper, exact, 80.0, None) == PaperExtraction(ExactFacets(80.0))
+    assert chosen("paper", exact) == PaperExtraction(ExactFacets())
+    assert chosen("paper", exact, 80.0) == PaperExtraction(ExactFacets(80.0))
 
 
 def test_extraction_and_memory_reach_the_measurement(
@@ -83,20 +85,19 @@ def test_extraction_and_memory_reach_the_measurement(
     catalogue: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    heard: list[MeasurementOptions] = []
-    extract = pipeline.extract
+    heard: list[tuple[PaperExtraction, float]] = []
+    extract = PaperExtraction.extract
 
-    def listening(observation: Any, sources: Any, options: MeasurementOptions, **more: Any) -> Any:
-        heard.append(options)
-        return extract(observation, sources, options, **more)
+    def listening(self: PaperExtraction, seen: Any, field: Any, setting: Any, *more: Any) -> Any:
+        heard.append((self, setting.resources.memory))
+        return extract(self, seen, field, setting, *more)
 
-    monkeypatch.setattr(pipeline, "extract", listening)
+    monkeypatch.setattr(PaperExtraction, "extract", listening)
     output = tmp_path / "shapes.fits"
     words = ("measure", field, "--catalogue", catalogue, "-o", output)
     more = ("--extraction", "paper", "--memory-gb", "1.5")
     assert uvshear(*words, *more).status == 0
-    assert heard[0].extraction == PaperExtraction()
-    assert heard[0].memory == 1.5e9
+    assert heard == [(PaperExtraction(), 1.5e9)]
     meta = read_shapes(output).meta
     assert json.loads(meta["EXTRACT"])["facet"] == "CellAverageFacets"
     assert json.loads(meta["OPTIONS"])["extraction"] == "paper"
@@ -110,7 +111,7 @@ def test_what_is_left_is_imaged_and_drawn(
     words = ("measure", field, "--catalogue", catalogue, "-o", tmp_path / "shapes.fits")
     outcome = uvshear(*words, "--extraction", extraction, "--residual-image", image)
     assert outcome.status == 0, outcome.err
-    assert f"{image}, {tmp_path / 'left.png'}: rms of the residual" in outcome.out
+    assert f"{image}, {tmp_path / 'left.png'}: the residual has an rms of" in outcome.out
     assert (tmp_path / "left.png").read_bytes().startswith(b"\x89PNG")
     with fits.open(image) as hdus:
         residual, dirty = (hdu.header for hdu in hdus)
@@ -128,7 +129,8 @@ def test_what_is_left_is_imaged_and_drawn(
         ("there.fits", "there.fits: exists already; give --overwrite"),
         ("drawn.fits", "drawn.png: exists already; give --overwrite"),
         ("nowhere/left.fits", "does not exist"),
-        ("shapes.fits", "-o is"),
+        ("shapes.fits", "is a file of -o"),
+        ("shapes.sky.fits", "is a file of -o"),
     ],
 )
 def test_an_image_that_cannot_be_written_is_refused_before_measuring(
@@ -153,10 +155,28 @@ def test_an_image_that_cannot_be_written_is_refused_before_measuring(
         ("--uv-max 0", "'--uv-max': 0 is not above 0"),
         ("--uv-min 5000 --uv-max 3000", "--uv-min 5000 --uv-max 3000: uv-min < uv-max"),
         ("--facet-size -38", "'--facet-size': -38 is not above 0"),
-        ("--extraction paper --rounds 0", "'--rounds': 0 is not above 0"),
-        ("--rounds 3", "--extraction converged --rounds 3: it goes on until nothing changes"),
-        ("--facet cell-average", "--extraction converged --facet cell-average: its facets are"),
-        ("--extraction both", "--extraction"),
+        ("--extraction paper --passes 0", "'--passes': 0 is not above 0"),
+        ("--passes 3", "--extraction converged --passes 3: the converged extraction goes on until"),
+        ("--facet cell-average", "--facet cell-average: the converged extraction has exact facets"),
+        (
+            "--extraction both",
+            "--extraction both: 'both' is not a known extraction; converged, paper are known",
+        ),
+        (
+            "--profile square",
+            "--profile square: 'square' is not a known profile; exponential, gaussian, sersic-2,",
+        ),
+        ("--profile absent:Round", "--profile absent:Round: the profile 'absent:Round' cannot be"),
+        (
+            "--primary-beam round",
+            "--primary-beam round: 'round' is not a known primary beam; airy, cosine-cubed, meerkat",
+        ),
+        (
+            "--keep moments,spin",
+            "--keep moments,spin: 'spin' is not a known estimator; mean, moments, bayesian, metacal",
+        ),
+        ("--keep moments --weight uniform", "another weighting cannot be combined with them"),
+        ("--keep moments --extraction paper", "PaperExtraction keeps no statistics"),
         ("--memory-gb 0", "'--memory-gb': 0 is not above 0"),
         ("--threads -1", "--threads"),
         ("--size-prior catalogue", "has no column 'scale_length'"),
@@ -281,7 +301,7 @@ def test_a_uv_range_beyond_all_baselines_is_refused(
     output = tmp_path / "shapes.fits"
     outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output, "--uv-min", "1e9")
     assert outcome.status == 2
-    assert "--uv-min 1e+09: the longest baseline there is" in outcome.err
+    assert "--uv-min 1e+09: the longest baseline of the observation is" in outcome.err
     assert not output.exists()
 
 
@@ -318,11 +338,11 @@ def test_likelihoods_are_kept_in_a_few_kilobytes(
     assert np.all(kept["m1_var"] > 0)
     packed = [{name: np.asarray(row[name]) for name in PACKED} for row in kept]
     # Four antennas see galaxies that the population does not have.
-    found = [one for one in packed if len(one["lattice"])]
+    found = [kept_row for kept_row in packed if len(kept_row["lattice"])]
     assert found
-    for one in found:
-        assert sum(array.nbytes for array in one.values()) < 10_000
-        likelihood = unpack(one)
+    for kept_row in found:
+        assert sum(array.nbytes for array in kept_row.values()) < 10_000
+        likelihood = unpack(kept_row)
         assert likelihood.log_likelihood.max() == 0
         assert np.all(likelihood.flux > 0)
 
@@ -348,8 +368,14 @@ def test_moments_are_kept_beside_the_shapes(
     assert kept["id"].tolist() == [1, 2, 3]
     assert kept["m1"].unit == units.Jy
     assert np.all(kept["m1_var"] > 0)
+    shapes = read_shapes(output)
+    made = read_statistics(statistics_path(output), output, shapes).meta
+    for name in ("version", "command", "inputs", "options", "date"):
+        assert made[name] == shapes.meta[name]
+    assert made["estimators"] == "moments"
+    assert json.loads(made["options"])["keep"] == "moments"
     assert uvshear(*words, "--extraction", "paper", "--overwrite").status == 2
-    assert "is not known" in uvshear(*words[:-1], "spin", "--overwrite").err
+    assert "is not a known estimator" in uvshear(*words[:-1], "spin", "--overwrite").err
     again = uvshear(*words)
     assert again.status == 2
     assert "exists already" in again.err

@@ -2,6 +2,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from astropy.table import Table
 
@@ -95,7 +96,7 @@ def test_what_baselines_cannot_tell_is_said(
         ("psf absent.ms", "absent.ms"),
         ("psf field.ms -o nowhere/psf.png", "does not exist"),
         ("layouts alma", "neither a known array"),
-        ("layouts vla-a -o map.docx", "give an extension such as .png"),
+        ("layouts vla-a -o map.docx", "the extension names no format of pictures"),
         ("demo cat.ecsv", "is a file; a directory is needed"),
         ("demo /proc/demo", "cannot be made"),
         ("demo full", "exists already; give --overwrite or another directory"),
@@ -139,10 +140,30 @@ def test_the_demo_runs_commands_that_a_user_can_type(
     assert outcome.status == 0, outcome.err
     names = {path.name for path in directory.iterdir()}
     assert names == {
-        *(demo.CATALOGUE, demo.FIELD, demo.SHAPES, demo.IMAGE, demo.SHEAR, demo.SLOPES),
+        *demo.FILES,
         *(f"{picture}.png" for picture in demo.PICTURES),
     }
-    assert "slope of e, weights 1/(s^2 + 0.07)" in outcome.out
-    assert set(json.loads((directory / demo.SHEAR).read_text())) >= {"g1", "g1_err", "n"}
-    assert Table.read(directory / demo.SLOPES)["component"].tolist() == ["e1", "e2"]
+    quoted = [
+        "slope of e, weights 1/s^2 (Rivi & Miller 2018)",
+        "effective number of galaxies",
+        "slope of e, weights 1/(s^2 + 0.07)",
+        "slope of e, unweighted",
+        "true shear",
+        "shear by moments",
+        "shear by mean",
+    ]
+    places = [outcome.out.index(line) for line in quoted]
+    assert places == sorted(places)
+    for name, estimator in ((demo.SHEAR, "moments"), (demo.SHEAR_OF_THE_MEAN, "mean")):
+        found = json.loads((directory / name).read_text())
+        assert found["estimator"] == estimator
+        for component, true in (("g1", demo.TRUE_SHEAR.real), ("g2", demo.TRUE_SHEAR.imag)):
+            assert abs(found[component] - true) < 4 * found[f"{component}_err"]
+    slopes = Table.read(directory / demo.SLOPES)
+    assert slopes["component"].tolist() == ["e1", "e2"]
+    for first, others in (("slope", "slope_population"), ("slope_population", "slope_unweighted")):
+        assert slopes.colnames.index(first) < slopes.colnames.index(others)
+    # Few galaxies before a small array: the wrong sign of a component, or of the shear's frame, is far from 1.
+    assert np.all(np.abs(slopes["slope"] - 1) < 0.15)
+    assert np.all((slopes["effective_galaxies"] >= 1) & (slopes["effective_galaxies"] < 12))
     assert uvshear("demo", directory).status == 2

@@ -1,6 +1,7 @@
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
 
 import astropy.units as u
@@ -8,11 +9,11 @@ import numpy as np
 import pytest
 from astropy.table import Table
 
-from tests.shear.test_bayesian import POPULATION, Toy
-from tests.shear.test_hierarchy import toy_likelihoods
+from tests.estimators.test_evidence import POPULATION, Toy
+from tests.estimators.test_population_fit import toy_likelihoods
 from uvshear import __version__
+from uvshear.estimators import Bayesian, Metacal
 from uvshear.estimators.packing import PACKED, pack, unpack
-from uvshear.extraction.metacal import MetacalStatistic
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.geometry.ellipticity import add_shear
 from uvshear.io.shapes import COLUMNS, DERIVED, shapes_table, write_shapes
@@ -23,14 +24,19 @@ from uvshear.io.statistics import (
     write_statistics,
 )
 
+REMARK = "noise biases the mean of ellipticities"
+
 
 @pytest.fixture
 def shapes(tmp_path: Path) -> Path:
+    """Two hundred shapes of mean ellipticity 0.05 - 0.02i at the phase centre, where local North is the m axis."""
     rng = np.random.default_rng(8)
     n = 200
     values = {name: rng.uniform(0.01, 0.02, n) for name in COLUMNS if name not in DERIVED}
     values |= {
         "id": np.arange(n),
+        "l": np.zeros(n),
+        "m": np.zeros(n),
         "e1": rng.normal(0.05, 0.1, n),
         "e2": rng.normal(-0.02, 0.1, n),
         "weight": np.ones(n),
@@ -47,13 +53,23 @@ def test_the_shear_is_told_and_written(uvshear: Callable, tmp_path: Path, shapes
     outcome = uvshear("shear", shapes, "-o", output)
     assert outcome.status == 0, outcome.err
     estimate = json.loads(output.read_text())
-    names = ["g1", "g1_err", "g2", "g2_err", "n", "estimator", "version", "calibration", "bins"]
-    assert list(estimate) == names
+    names = ["g1", "g1_err", "g2", "g2_err", "n", "estimator", "frame"]
+    made = ["version", "command", "inputs", "options", "date"]
+    assert list(estimate) == [*names, *made, "cuts", "seed", "calibration", "bins"]
+    assert estimate["frame"] == "sky"
+    assert estimate["command"] == "uvshear shear"
+    assert estimate["inputs"] == [str(shapes)]
+    assert estimate["options"]["estimator"] == "mean"
+    assert estimate["cuts"] == {"snr_min": 0.0, "flux_min_ujy": 0.0}
+    assert estimate["seed"] == 1
+    assert datetime.fromisoformat(estimate["date"]).utcoffset() is not None
     assert estimate["calibration"] is None
     assert estimate["n"] == 200
     assert estimate["estimator"] == "mean"
     assert estimate["version"] == __version__
     assert abs(estimate["g1"] - 0.05) < 4 * estimate["g1_err"]
+    # In the frame of local North the second component has the opposite sign of e2.
+    assert abs(estimate["g2"] - 0.02) < 4 * estimate["g2_err"]
     assert estimate["g1_err"] == pytest.approx(0.1 / np.sqrt(200), rel=0.2)
     assert f"g1 = {estimate['g1']:+.5f}" in outcome.out
 
@@ -69,7 +85,10 @@ def test_the_same_seed_gives_the_same_error(
 ) -> None:
     for name in ("a.json", "b.json"):
         assert uvshear("shear", shapes, "--seed", "4", "-o", tmp_path / name).status == 0
-    assert (tmp_path / "a.json").read_text() == (tmp_path / "b.json").read_text()
+    first, second = (json.loads((tmp_path / name).read_text()) for name in ("a.json", "b.json"))
+    assert first | {"date": ""} == second | {"date": ""}
+    assert uvshear("shear", shapes, "--seed", "5", "-o", tmp_path / "c.json").status == 0
+    assert json.loads((tmp_path / "c.json").read_text())["g1_err"] != first["g1_err"]
 
 
 @pytest.mark.parametrize(
@@ -78,8 +97,19 @@ def test_the_same_seed_gives_the_same_error(
         ("absent.fits", "", "absent.fits: no such file"),
         ("junk.fits", "", "cannot be read as a table"),
         ("other.csv", "", "has no column 'e1'; a table written by `uvshear measure` is needed"),
+        ("placeless.fits", "", "does not say its phase centre (ra0_deg and dec0_deg of its"),
+        (
+            "shapes.fits",
+            "--estimator spin",
+            "--estimator spin: 'spin' is not a known estimator; mean,",
+        ),
+        (
+            "shapes.fits",
+            "--estimator absent:Mine",
+            "the estimator 'absent:Mine' cannot be imported",
+        ),
         ("shapes.fits", "--snr-min -3", "'--snr-min': -3 is not 0 or more"),
-        ("shapes.fits", "--snr-min 1e9", "two or more"),
+        ("shapes.fits", "--snr-min 1e9", "2 or more are needed"),
         ("shapes.fits", "--seed -3", "--seed"),
     ],
 )
@@ -88,6 +118,9 @@ def test_a_wrong_input_is_named_and_nothing_written(
 ) -> None:
     (shapes.parent / "junk.fits").write_bytes(b"\x01\x02" * 50)
     (shapes.parent / "other.csv").write_text("a,b\n1,2\n")
+    placeless = Table.read(shapes)
+    placeless.meta.clear()
+    placeless.write(shapes.parent / "placeless.fits")
     before = sorted(tmp_path.iterdir())
     outcome = uvshear("shear", tmp_path / name, *words.split(), "-o", tmp_path / "shear.json")
     assert outcome.status == 2
@@ -98,7 +131,7 @@ def test_a_wrong_input_is_named_and_nothing_written(
 
 @pytest.fixture
 def kept(shapes: Path) -> Path:
-    """Moments beside the shapes: of shear 0.04, -0.03 without noise of their own."""
+    """Moments beside the shapes: of shear 0.04, 0.03 in the sky frame, without noise of their own."""
     rng = np.random.default_rng(9)
     n = 200
     response = rng.uniform(1, 2, n)
@@ -109,7 +142,7 @@ def kept(shapes: Path) -> Path:
     values |= {"m1_var": np.ones(n), "m2_var": np.ones(n), "m12_cov": np.zeros(n)}
     for name, column in values.items():
         table[name] = column
-    write_statistics(statistics_path(shapes), table)
+    write_statistics(statistics_path(shapes), table, {})
     return shapes
 
 
@@ -120,28 +153,28 @@ def test_moments_kept_become_a_shear(uvshear: Callable, tmp_path: Path, kept: Pa
     assert estimate["estimator"] == "moments"
     assert estimate["n"] == 200
     assert estimate["g1"] == pytest.approx(0.04)
-    assert estimate["g2"] == pytest.approx(-0.03)
+    assert estimate["g2"] == pytest.approx(0.03)
 
 
 def test_metacalibrated_ellipticities_become_a_shear(
     uvshear: Callable, tmp_path: Path, shapes: Path
 ) -> None:
-    """Behind 0.04, -0.03, with a response that is not symmetric; half of the galaxies have none."""
+    """Behind 0.04, 0.03, with a response that is not symmetric; half of the galaxies have none."""
     rng = np.random.default_rng(9)
     response = np.array([[0.5, 0.1], [-0.05, 0.6]]) * rng.uniform(1, 2, (200, 1, 1))
     value = response @ np.array([0.04, -0.03])
     table = Table({"id": np.arange(200)})
     numbers = np.column_stack([value, response.reshape(200, 4)])
     numbers[::2] = np.nan
-    for name, column in zip(MetacalStatistic.columns, numbers.T, strict=True):
+    for name, column in zip(Metacal.columns, numbers.T, strict=True):
         table[name] = column
-    write_statistics(statistics_path(shapes), table)
+    write_statistics(statistics_path(shapes), table, {})
     output = tmp_path / "shear.json"
     assert uvshear("shear", shapes, "--estimator", "metacal", "-o", output).status == 0
     estimate = json.loads(output.read_text())
     assert (estimate["estimator"], estimate["n"]) == ("metacal", 100)
     assert estimate["g1"] == pytest.approx(0.04)
-    assert estimate["g2"] == pytest.approx(-0.03)
+    assert estimate["g2"] == pytest.approx(0.03)
 
 
 def test_moments_that_were_not_kept_are_asked_for(uvshear: Callable, shapes: Path) -> None:
@@ -152,7 +185,7 @@ def test_moments_that_were_not_kept_are_asked_for(uvshear: Callable, shapes: Pat
 
 def test_moments_of_another_table_are_refused(uvshear: Callable, kept: Path) -> None:
     path = statistics_path(kept)
-    write_statistics(path, Table.read(path)[:-1], overwrite=True)
+    write_statistics(path, Table.read(path)[:-1], {}, overwrite=True)
     outcome = uvshear("shear", kept, "--estimator", "moments")
     assert outcome.status == 2
     assert "has 199 rows" in outcome.err
@@ -169,8 +202,14 @@ def likely(shapes: Path) -> Path:
         k: pack(Toy(complex(e), 0.06, size=0.0).on_lattice())
         for k, e in enumerate(lensed, start=30)
     }
-    write_statistics(statistics_path(shapes), statistics_table(np.arange(200), PACKED, kept))
+    _keep(shapes, kept)
     return shapes
+
+
+def _keep(shapes: Path, kept: dict) -> None:
+    """Put likelihoods beside the shapes, by the number of the row."""
+    table = statistics_table(Table.read(shapes), [Bayesian()], kept)
+    write_statistics(statistics_path(shapes), table, {}, overwrite=True)
 
 
 def test_likelihoods_kept_become_a_shear(uvshear: Callable, tmp_path: Path, likely: Path) -> None:
@@ -190,8 +229,7 @@ def test_a_fitted_population_is_told_and_can_be_given_again(
     uvshear: Callable, tmp_path: Path, shapes: Path
 ) -> None:
     likelihoods = toy_likelihoods(150, np.random.default_rng(4), 0.05 + 0j)
-    kept = {k: pack(one) for k, one in enumerate(likelihoods)}
-    write_statistics(statistics_path(shapes), statistics_table(np.arange(200), PACKED, kept))
+    _keep(shapes, {k: pack(likelihood) for k, likelihood in enumerate(likelihoods)})
 
     def found(name: str, prior: str | Path) -> tuple[dict, str]:
         output = tmp_path / name
@@ -216,7 +254,7 @@ def test_a_fitted_population_is_told_and_can_be_given_again(
 def test_a_prior_that_is_none_is_named(uvshear: Callable, likely: Path) -> None:
     outcome = uvshear("shear", likely, "--estimator", "bayesian", "--prior", "fited")
     assert outcome.status == 2
-    assert "--prior fited: is neither paper nor fitted, nor a file" in outcome.err
+    assert "--prior fited: is neither paper nor fitted, nor a file that exists" in outcome.err
 
 
 def test_a_population_that_is_the_output_too_is_refused(
@@ -233,7 +271,8 @@ def test_a_population_that_is_the_output_too_is_refused(
 
 def _calibration(path: Path, **changed: object) -> Path:
     record = {"m1": -0.1, "m1_err": 0.01, "m2": 0.0, "m2_err": 0.0, "c1": 1e-3, "c1_err": 1e-3}
-    record |= {"c2": 0.0, "c2_err": 0.0, "n": 10, "snr_min": 0.0, "estimator": "mean"} | changed
+    record |= {"c2": 0.0, "c2_err": 0.0, "n": 10, "snr_min": 0.0}
+    record |= {"estimator": "mean", "frame": "sky"} | changed
     path.write_text(json.dumps(record))
     return path
 
@@ -251,6 +290,34 @@ def test_a_calibration_is_applied(uvshear: Callable, tmp_path: Path, shapes: Pat
     assert calibrated["calibration"] == str(bias)
 
 
+def test_a_bias_of_version_0_1_0_has_the_other_sign_of_c2(
+    uvshear: Callable, tmp_path: Path, shapes: Path
+) -> None:
+    """Its file does not name a frame: it is that of (l, m)."""
+    found = {}
+    for name, changed in (("sky", {"c2": 2e-3}), ("old", {"c2": -2e-3, "frame": None})):
+        bias = _calibration(tmp_path / "bias.json", **changed)
+        output = tmp_path / f"{name}.json"
+        assert uvshear("shear", shapes, "--calibration", bias, "-o", output).status == 0
+        found[name] = json.loads(output.read_text())
+    for component in ("g1", "g2"):
+        assert found["old"][component] == found["sky"][component]
+    assert uvshear("shear", shapes, "-o", tmp_path / "raw.json").status == 0
+    raw = json.loads((tmp_path / "raw.json").read_text())
+    assert found["sky"]["g2"] == pytest.approx(raw["g2"] - 2e-3, abs=1e-12)
+
+
+def test_the_bias_of_the_mean_is_told_unless_it_is_removed(
+    uvshear: Callable, tmp_path: Path, shapes: Path, kept: Path
+) -> None:
+    told = uvshear("shear", shapes).err
+    assert REMARK in told
+    assert "`--estimator moments` and `--estimator bayesian`" in told
+    bias = _calibration(tmp_path / "bias.json")
+    assert REMARK not in uvshear("shear", shapes, "--calibration", bias).err
+    assert uvshear("shear", kept, "--estimator", "moments").err == ""
+
+
 def test_the_papers_facets_have_a_calibration_of_their_own(
     uvshear: Callable, tmp_path: Path, shapes: Path
 ) -> None:
@@ -261,7 +328,9 @@ def test_the_papers_facets_have_a_calibration_of_their_own(
     assert uvshear("shear", shapes, "--calibration", bias).status == 0
     outcome = uvshear("shear", shapes, "--calibration", _calibration(tmp_path / "exact.json"))
     assert outcome.status == 2
-    assert "is of --facet exact, the shear of cell-average" in outcome.err
+    assert (
+        "simulated with --facet exact, the shear is estimated with --facet cell-av" in outcome.err
+    )
 
 
 def test_a_cut_that_is_only_nearly_the_biass_is_told(
@@ -272,7 +341,7 @@ def test_a_cut_that_is_only_nearly_the_biass_is_told(
         outcome = uvshear("shear", shapes, "--snr-min", "20", "--calibration", bias)
         assert outcome.status == 0
         assert len(outcome.err.splitlines()) == lines
-        assert ("cut by their catalogue's flux" in outcome.err) == bool(lines)
+        assert ("were cut by the flux of the catalogue" in outcome.err) == bool(lines)
 
 
 def test_a_bias_of_another_population_is_refused(
@@ -288,7 +357,7 @@ def test_a_bias_of_another_population_is_refused(
         )
         outcome = uvshear("shear", likely, *words, bias)
         assert outcome.status == status, outcome.err
-    assert "is of a population with size sigma 0.4, the shear of 0.35" in outcome.err
+    assert "its population has size sigma = 0.4, that of the shear has 0.35" in outcome.err
 
 
 def test_a_bin_that_the_population_does_not_have_is_left_out(
@@ -298,15 +367,13 @@ def test_a_bin_that_the_population_does_not_have_is_left_out(
     table = Table.read(likely)
     table["flux"] = np.where(np.arange(200) < 100, 15.0, 30.0) * u.uJy
     table.write(likely, overwrite=True)
-    kept = read_statistics(likely, table, PACKED, "likelihood")
+    kept = read_statistics(statistics_path(likely), likely, table)
     bright = {
         k: unpack(dict(zip(PACKED, kept[k][list(PACKED)], strict=True))) for k in range(100, 180)
     }
-    bright = {k: replace(one, flux=3 * one.flux) for k, one in bright.items()}
+    bright = {k: replace(likelihood, flux=3 * likelihood.flux) for k, likelihood in bright.items()}
     faint = pack(Toy(0.1 + 0j, 0.06, size=0.0).on_lattice())
-    both = dict.fromkeys(range(50), faint) | {k: pack(one) for k, one in bright.items()}
-    path = statistics_path(likely)
-    write_statistics(path, statistics_table(np.arange(200), PACKED, both), overwrite=True)
+    _keep(likely, dict.fromkeys(range(50), faint) | {k: pack(part) for k, part in bright.items()})
     population = tmp_path / "population.json"
     population.write_text('{"flux": {"minimum_ujy": 40}}')
     output = tmp_path / "shear.json"
@@ -314,7 +381,7 @@ def test_a_bin_that_the_population_does_not_have_is_left_out(
     outcome = uvshear("shear", likely, *words)
     assert outcome.status == 0, outcome.err
     found = json.loads(output.read_text())
-    assert [one["flux"] for one in found["bins"]] == ["20-50 uJy"]
+    assert [part["flux"] for part in found["bins"]] == ["20-50 uJy"]
     assert found["n"] == found["bins"][0]["n"] == 80
 
 
@@ -341,14 +408,19 @@ def test_a_column_that_is_needed_is_named(
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ({"estimator": "moments"}, "is of the estimator moments, the shear of mean"),
-        ({"snr_min": 10.0}, "is of --snr-min 10, the shear of 0"),
-        ({"flux_min_ujy": 25.0}, "is of --flux-min-ujy 25, the shear of 0"),
-        ({"prior": "fitted"}, "is of --prior fitted, the shear of paper"),
-        ({"facet": "cell-average"}, "is of --facet cell-average, the shear of exact"),
-        ({"position_error_arcsec": 0.5}, "is of position error arcsec 0.5"),
-        ({"legacy_shear": True}, "is of legacy shear True"),
-        ({"wraps": "moments"}, "is of wraps moments"),
+        (
+            {"estimator": "moments"},
+            "was simulated with --estimator moments, the shear is estimated with --estimator mean",
+        ),
+        ({"snr_min": 10.0}, "with --snr-min 10, the shear is estimated with --snr-min 0"),
+        ({"flux_min_ujy": 25.0}, "with --flux-min-ujy 25, the shear is estimated with"),
+        ({"prior": "fitted"}, "with --prior fitted, the shear is estimated with --prior paper"),
+        ({"facet": "cell-average"}, "with --facet cell-average, the shear is estimated with"),
+        ({"position_error_arcsec": 0.5}, "was simulated with position_error_arcsec = 0.5"),
+        ({"legacy_shear": True}, "was simulated with legacy_shear = True"),
+        ({"wraps": "moments"}, "was simulated with wraps = moments"),
+        ({"frame": "lm"}, "is in the frame 'lm'; the frame 'sky' is needed"),
+        ({"flux_max_ujy": 50.0}, "is the bias of galaxies of no more than 50.0 uJy"),
         ({"m2": -1.5}, "m is -1 or less"),
         ({"m1": None}, "has no number 'm1'"),
         ("[1, 2]", "is not a file written by `uvshear bias`"),
@@ -377,15 +449,15 @@ def test_bins_of_flux_share_the_galaxies(uvshear: Callable, tmp_path: Path, shap
     output = tmp_path / "shear.json"
     assert uvshear("shear", shapes, "--flux-min-ujy", "12", "-o", output).status == 0
     estimate = json.loads(output.read_text())
-    assert [one["flux"] for one in estimate["bins"]] == ["10-20 uJy", "20-50 uJy", "50-200 uJy"]
+    assert [part["flux"] for part in estimate["bins"]] == ["10-20 uJy", "20-50 uJy", "50-200 uJy"]
     flux = np.geomspace(10, 199, 200)
     expected = [int(((flux >= a) & (flux < b)).sum()) for a, b in ((12, 20), (20, 50), (50, 200))]
-    assert [one["n"] for one in estimate["bins"]] == expected
+    assert [part["n"] for part in estimate["bins"]] == expected
     assert estimate["n"] == sum(expected)
 
 
 def test_likelihoods_of_no_source_are_no_shear(uvshear: Callable, shapes: Path) -> None:
-    write_statistics(statistics_path(shapes), statistics_table(np.arange(200), PACKED, {}))
+    _keep(shapes, {})
     outcome = uvshear("shear", shapes, "--estimator", "bayesian")
     assert outcome.status == 2
     assert "the shear of 0 galaxies" in outcome.err
@@ -394,7 +466,7 @@ def test_likelihoods_of_no_source_are_no_shear(uvshear: Callable, shapes: Path) 
 def test_statistics_of_other_sources_are_refused(uvshear: Callable, kept: Path) -> None:
     path = statistics_path(kept)
     table = Table.read(path)
-    write_statistics(path, table[::-1], overwrite=True)
+    write_statistics(path, table[::-1], {}, overwrite=True)
     outcome = uvshear("shear", kept, "--estimator", "moments")
     assert outcome.status == 2
     assert "is of other sources" in outcome.err
@@ -414,4 +486,4 @@ def test_a_table_without_fluxes_has_a_shear_and_no_bins(
 def test_a_prior_is_for_the_estimator_that_has_one(uvshear: Callable, shapes: Path) -> None:
     outcome = uvshear("shear", shapes, "--prior", "fitted")
     assert outcome.status == 2
-    assert "mean has no prior" in outcome.err
+    assert "--estimator mean has no prior; bayesian has" in outcome.err

@@ -93,6 +93,8 @@ def test_a_wrong_sefd_is_refused(text: str) -> None:
         ("--declination-deg", "--shear nan 0 --declination-deg", "|g| must be below 1"),
         ("--declination-deg", "--elevation-limit-deg -5 --declination-deg", "-5 is not 0 or more"),
         ("--declination-deg", "--elevation-limit-deg 89.9 --declination-deg", "elevation"),
+        ("--declination-deg", "--profile cube --declination-deg", "--profile cube: 'cube' is not"),
+        ("--declination-deg", "--primary-beam x --declination-deg", "--primary-beam x: 'x' is not"),
     ],
 )
 def test_a_wrong_option_is_named_and_nothing_written(

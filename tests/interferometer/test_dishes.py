@@ -56,7 +56,7 @@ def test_the_pointing_is_about_the_phase_centre():
 
 
 def test_parts_need_the_same_dishes():
-    with pytest.raises(InputError, match="second: its dishes are not those of first"):
+    with pytest.raises(InputError, match="second: its dishes differ from those of first"):
         dish_diameters(_joint(Dishes("second", diameter=12.0)))
 
 
@@ -77,5 +77,5 @@ def test_dishes_that_pointed_away_have_no_beam():
 
 def test_an_observation_that_does_not_know_its_dishes_says_so():
     for ask in (dish_diameters, pointing_of):
-        with pytest.raises(InputError, match="does not tell the dishes"):
+        with pytest.raises(InputError, match="does not describe the dishes"):
             ask(observation(1))

@@ -89,7 +89,7 @@ def test_a_file_needs_positions_alone(tmp_path):
         (f"{GOOD}\n100 200 0\n", r"line 2: the position is .*not East, North, Up"),
         (f"{GOOD}\nnan nan nan\n", r"line 2: the position is nan"),
         (f"{GOOD} -3\n{OTHER}\n", r"line 1: the diameter is -3; a positive"),
-        (f"{GOOD}\n{OTHER}\n{GOOD}\n", r"line 3: the same position as line 1"),
+        (f"{GOOD}\n{OTHER}\n{GOOD}\n", r"line 3: has the same position as line 1"),
         (f"{GOOD}\n", r"1 antennas; two or more"),
         ("", r"0 antennas; two or more"),
     ],

@@ -121,7 +121,7 @@ def test_what_the_metadata_tell_is_a_warning_too(pair):
     for column in ("WEIGHT", "WEIGHT_SPECTRUM"):
         change(first, column, 0.0)
     found = first_pass(open_observation(first)).warnings
-    assert found[0] == f"{first}: no WEIGHT above zero; the weights are 1/SIGMA^2"
+    assert found[0] == f"{first}: WEIGHT has no value above zero; the weights are 1/SIGMA^2"
 
 
 def test_dishes_are_those_of_all_sets(pair):
@@ -129,7 +129,7 @@ def test_dishes_are_those_of_all_sets(pair):
     np.testing.assert_array_equal(dish_diameters(joint), simulated().dish_diameters())
     assert pointing_of(joint) == (0.0, 0.0)
     change(pair[1], "DISH_DIAMETER", 25.0, subtable="ANTENNA")
-    with pytest.raises(InputError, match=f"{pair[1]}: its dishes are not those of {pair[0]}"):
+    with pytest.raises(InputError, match=f"{pair[1]}: its dishes differ from those of {pair[0]}"):
         dish_diameters(joint)
 
 

@@ -59,7 +59,9 @@ def test_a_registered_reader_is_chosen_by_format(tmp_path, seed):
 
 @pytest.mark.usefixtures("registered")
 @pytest.mark.parametrize(
-    "reader", ["seed", "readers_of_mine:NumberReader", NumberReader()], ids=str
+    "reader",
+    ["seed", "readers_of_mine:NumberReader", NumberReader()],
+    ids=["registered", "imported", "object"],
 )
 def test_a_reading_may_name_its_reader(tmp_path, reader):
     assert isinstance(reader_of(tmp_path / "anything", Reading(reader=reader)), NumberReader)

@@ -88,7 +88,7 @@ def test_one_seed_gives_one_population():
 
 
 def test_broken_rings_are_refused():
-    with pytest.raises(InputError, match="no whole rings of 10"):
+    with pytest.raises(InputError, match="do not make whole rings of 10"):
         drawn(15)
     with pytest.raises(InputError, match="ring is 0"):
         Population(ring=0)

@@ -2,7 +2,7 @@
 
 ``mock_facets`` draws facets of galaxies that are alone in the beam, from which ``isolated`` estimates a bias;
 ``crowded`` observes and measures whole fields. ``survey`` describes the observation and the galaxies, ``fit`` turns
-sums of terms into m and c, and ``estimate`` does all of it.
+sums of terms into m and c, and ``estimate`` has the function that users call.
 """
 
 from uvshear.bias.estimate import estimate_bias, opposite_shears

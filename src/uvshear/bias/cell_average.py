@@ -1,6 +1,6 @@
 """Galaxies alone in the beam on the paper's cell-average facets, to reproduce the bias of Rivi & Miller 2018.
 
-The visibilities of a galaxy are predicted one by one and averaged in cells; the noise is drawn for the sums of cells.
+The visibilities of a galaxy are predicted one by one and averaged in cells; the noise is drawn for the sums in cells.
 """
 
 import math
@@ -110,7 +110,7 @@ class CellAverageBeam:
     frequency
         Frequency of the longest baseline [Hz].
     rule
-        Rule by which the size of a galaxy gives the width of its facet.
+        Rule that gives the width of a galaxy's facet from its size.
     """
 
     samples: PointingSamples
@@ -121,7 +121,7 @@ class CellAverageBeam:
 
     @classmethod
     def gather(cls, observation: Observation) -> Self:
-        """Gather the samples of an observation; galaxies have the catalogue's flux in every channel."""
+        """Gather the samples of an observation, in which galaxies have the catalogue's flux in every channel."""
         uv, weight, highest = [], [], 0.0
         for chunk in observation.chunks():
             for channel, frequency in enumerate(chunk.frequency.tolist()):

@@ -1,4 +1,4 @@
-"""Bias in a crowded field: the same galaxies and the same noise, observed and measured behind each shear."""
+"""Bias in a crowded field: the same galaxies with the same noise, observed and measured with each shear."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -27,10 +27,10 @@ BLOCKS = 7
 """Number of blocks of the jackknife along l and along m."""
 
 ROUNDS = 2
-"""Rounds of an expansion about the estimate of the shear."""
+"""Number of iterations of the expansion about the estimate of the shear."""
 
 Measure = Callable[[VisibilitySet, Galaxies], Measurement]
-"""Measures an observation with a catalogue that has the positions and fluxes of these galaxies."""
+"""Function that measures an observation, with the positions and fluxes of these galaxies as the catalogue."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class FieldExperiment:
     shears
         Reduced shears in the frame of the sky, which add up to zero.
     used
-        Mask of the galaxies that are counted; the others are observed and subtracted as well.
+        Mask of the galaxies that enter the bias; the others are only observed and subtracted.
     lens
         Map of galaxies by a shear.
     profile
@@ -64,13 +64,13 @@ class FieldExperiment:
     executor: Executor = SERIAL
 
     def lensed(self, shear: complex, ellipticity_sign: int) -> Galaxies:
-        """Return the galaxies behind a shear, their ellipticities multiplied by the sign."""
+        """Return the galaxies behind a shear, with their ellipticities multiplied by the sign."""
         galaxies = replace(self.galaxies, ellipticity=ellipticity_sign * self.galaxies.ellipticity)
         north = local_north(self.noise.phase_centre, galaxies.l, galaxies.m)
         return self.lens(galaxies, shear_in_field_frame(shear, north))
 
     def observed(self, galaxies: Galaxies, noise_sign: int) -> VisibilitySet:
-        """Return the observation of lensed galaxies, its noise multiplied by the sign."""
+        """Return the observation of lensed galaxies, with its noise multiplied by the sign."""
         blocks = []
         for block in self.noise.blocks:
             model = predict_visibilities(
@@ -87,7 +87,7 @@ def estimate_crowded_bias(
     measure: Measure,
     progress: Progress | None = None,
 ) -> list[Bias]:
-    """Estimate the bias of each estimator, in total and by flux, from the galaxies that every measurement has."""
+    """Estimate the bias of each estimator, in total and by flux, from the galaxies that every measurement contains."""
     for estimator in estimators:
         if estimator.is_learning:
             raise InputError(

@@ -2,12 +2,14 @@
 
 import cmath
 import math
+import warnings
 from collections.abc import Sequence
 
 from uvshear.bias.crowded import estimate_crowded_bias
 from uvshear.bias.fit import Bias
 from uvshear.bias.isolated import estimate_isolated_bias
 from uvshear.bias.survey import Survey
+from uvshear.errors import DataWarning
 from uvshear.estimators import estimator_of
 from uvshear.estimators.registry import EstimatorLike
 from uvshear.execution import Resources
@@ -47,12 +49,12 @@ def estimate_bias(
         The observation and the galaxies that are counted; an SKA-Mid track of 8 h and the paper's population unless
         given.
     density
-        Number of galaxies per square arcminute, all of them together in the beam and measured as a crowded field; None
-        measures each galaxy alone.
+        Number of galaxies per square arcminute in a crowded field, in which all of them are measured together; None
+        measures each galaxy alone in the beam.
     resources
         Workers and memory of the machine that may be used.
     progress
-        Called with the work that is done and the work that there is.
+        Function called with the work done so far and the total work.
     """
     resources = resources or Resources()
     method = estimator_of(estimator)
@@ -64,7 +66,10 @@ def estimate_bias(
 
     def measured(observation: VisibilitySet, lensed: Galaxies) -> Measurement:
         catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)
-        return measure(observation, catalogue, keep=(method,), resources=resources)
+        with warnings.catch_warnings():
+            # Simulated weights are right; a coarse track may make the scatter of neighbouring samples look otherwise.
+            warnings.simplefilter("ignore", DataWarning)
+            return measure(observation, catalogue, keep=(method,), resources=resources)
 
     crowd = known.crowd(shears, galaxies, density, seed, resources.executor)
     (bias,) = estimate_crowded_bias(crowd, [method], measured, progress)

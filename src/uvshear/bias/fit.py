@@ -1,8 +1,8 @@
-"""Multiplicative and additive bias of an estimator, from the shears that it finds.
+"""Multiplicative and additive bias of an estimator, from the shears that it estimates.
 
-The same galaxies stand behind opposite shears with the same noise, so that shape noise and noise nearly cancel in the
-difference of the two estimates, which gives m. Each galaxy is seen with e and with -e, and with its noise and the
-opposite noise, so that both cancel in the sum, which gives c.
+The same galaxies are simulated with opposite shears and the same noise, so that shape noise and noise nearly cancel in
+the difference of the two estimates, which gives m. Each galaxy is simulated with e and with -e, and with a realisation
+of the noise and its negative, so that both cancel in the sum, which gives c.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,8 +30,8 @@ class Bias:
     m, m_err, c, c_err
         Multiplicative and additive bias of both components; m is NaN where no shear was applied.
     response
-        Response of the estimator's terms to both components, summed over all measurements of a galaxy: the weight of
-        these galaxies in a mean over galaxies of different fluxes.
+        Response of the estimator's terms to both components, summed over the measurements of a galaxy and averaged over
+        galaxies: the weight of these galaxies in a mean over galaxies of different fluxes.
     n
         Number of galaxies, each measured several times.
     failed
@@ -103,7 +103,7 @@ class TermSums:
 def shears_from_sums(
     values: Float[Array, "... shear 6"], about: Sequence[complex]
 ) -> Float[Array, "... shear 2"]:
-    """Return the shears that follow from sums of an estimator's terms: two numbers, and four of their response."""
+    """Return the shears that follow from sums of an estimator's terms: two values, and four of their response."""
     response = values[..., 2:].reshape(*values.shape[:-1], 2, 2)
     if np.any(np.all(response == 0, axis=(-2, -1))):
         raise InputError("no galaxy tells of the shear: none passes the cuts, or none was measured")
@@ -147,7 +147,7 @@ def _fit(
     values = sums.values[sums.is_told]
     if len(values) < LEAST_BLOCKS:
         raise InputError(
-            f"{name}: {sums.n} galaxies in {len(values)} blocks; more galaxies are needed for an error"
+            f"{name}: {sums.n} galaxies in {len(values)} blocks are too few for an error; more galaxies are needed"
         )
     g = np.array([[shear.real, shear.imag] for shear in shears])
     length = np.sum(g**2, axis=0)

@@ -1,4 +1,4 @@
-"""Bias of galaxies that are alone in the beam, each behind known shears."""
+"""Bias of an estimator for galaxies that are alone in the beam, each behind known shears."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -36,11 +36,11 @@ from uvshear.simulation.population import Population
 from uvshear.typing import Array, Complex, Float
 
 BLOCK = 50
-"""Number of galaxies of a task, whose sums are a block of the jackknife."""
+"""Number of galaxies in a task, whose sums form one block of the jackknife."""
 
 PILOT, FEWEST, PILOT_ROUNDS = 500, 100, 2
-"""The first guess of the shear about which an estimator is expanded: the number of galaxies that are drawn for it, the
-number of them that a cut by flux leaves at least, and the number of rounds."""
+"""First guess of the shear about which an estimator is expanded: the number of galaxies that are drawn for it, the
+smallest number that must pass a cut by flux, and the number of iterations."""
 
 TRAINING = 1500
 """Number of galaxies from which an estimator learns its population."""
@@ -51,7 +51,7 @@ FITTED = Exponential()
 
 @dataclass(frozen=True)
 class Experiment:
-    """A population of galaxies alone in the beam, the shears before them, and the cuts by which they are counted.
+    """A population of galaxies alone in the beam, their shears, and the cuts that select them.
 
     Parameters
     ----------
@@ -67,10 +67,10 @@ class Experiment:
     lens
         Map of galaxies by a shear.
     size
-        Relation of size and flux that gives the prior of the size.
+        Size-flux relation that gives the prior on the size.
     snr_min
-        Signal-to-noise ratio below which galaxies are left out, by the catalogue's flux and the median size: no shear
-        changes that cut.
+        Signal-to-noise ratio below which galaxies are left out, computed from the catalogue's flux and the median size,
+        so that shear does not move galaxies across the cut.
     measured_snr_min
         Signal-to-noise ratio of the best fit below which a measurement is left out. Shear and noise move galaxies
         across that cut.
@@ -79,10 +79,10 @@ class Experiment:
     position_sigma
         Standard error of the catalogue's positions in l and in m [rad].
     has_rings
-        Whether galaxies are seen with e and -e. Without rings an estimator that is not linear has nearly the same error
-        of m at half the cost, but a large error of c.
+        Whether galaxies are simulated with e and -e. Without these pairs a non-linear estimator has nearly the same
+        error of m at half the cost, but a large error of c.
     weights_population
-        Distribution of ellipticities for which the weights of shapes are made.
+        Distribution of ellipticities on which the weights of shapes depend.
     seed
         Seed of galaxies and noise.
     """
@@ -104,7 +104,7 @@ class Experiment:
 
     def __post_init__(self) -> None:
         if abs(sum(self.shears)) > 1e-9:
-            raise InputError("the shears of a simulated bias add up to zero; these do not")
+            raise InputError("the shears of a simulated bias must add up to zero; these do not")
 
     @property
     def realisations(self) -> tuple[Realisation, ...]:
@@ -114,7 +114,7 @@ class Experiment:
         return OPPOSITE if self.has_rings else OPPOSITE[:2]
 
     def draw(self, number: int, rng: np.random.Generator) -> Galaxies:
-        """Draw galaxies of the population, all at the phase centre up to the error of their position."""
+        """Draw galaxies of the population, all of them at the phase centre up to the error of their position."""
         population = self.population
         flux = population.flux.draw(number, rng)
         modulus = population.ellipticity.draw_modulus(number, rng)
@@ -140,7 +140,7 @@ class MockGalaxy:
     shear
         Index of the shear among those of the experiment.
     source
-        Facet of the galaxy, as an estimator is given it.
+        Facet of the galaxy, as it is passed to an estimator.
     """
 
     number: int
@@ -181,13 +181,16 @@ def estimate_isolated_bias(
 
 
 def _trained(experiment: Experiment, estimator: Estimator, galaxies: int) -> Estimator:
-    """Return the estimator with what it learns from galaxies without a shear, other than those that are measured."""
+    """Return the estimator trained on unsheared galaxies other than those that are measured."""
     if not estimator.is_learning:
         return estimator
     unlensed = replace(experiment, shears=(0j,))
     mocks = mock_galaxies(unlensed, galaxies, TRAINING, unlensed.realisations[:1])
-    rows = (observe(estimator.learner, mock.source) for mock in mocks)
-    return estimator.trained(Sample.from_rows([row for row in rows if row is not None]), 0j)
+    found = (observe(estimator.learner, mock.source) for mock in mocks)
+    rows = [row for row in found if row is not None]
+    if not rows:
+        raise InputError("no galaxy passes the cuts; the estimator needs some to learn from")
+    return estimator.trained(Sample.from_rows(rows), 0j)
 
 
 def _pilot(experiment: Experiment) -> int:
@@ -199,7 +202,7 @@ def _pilot(experiment: Experiment) -> int:
 
 @dataclass(frozen=True)
 class BlockSums:
-    """Sums of an estimator's terms over the galaxies of a task, by bin of flux; the last bin is of all other fluxes.
+    """Sums of an estimator's terms over the galaxies of a task, by bin of flux; the last bin holds all other fluxes.
 
     Parameters
     ----------
@@ -242,7 +245,7 @@ def sum_terms(
     first: int,
     number: int,
 ) -> BlockSums:
-    """Draw galaxies from number ``first`` on, and sum the estimator's terms of each behind every shear.
+    """Draw galaxies from number ``first`` on, and sum the estimator's terms of each galaxy with every shear.
 
     Parameters
     ----------
@@ -296,7 +299,13 @@ def mock_galaxies(
     number: int,
     realisations: Sequence[Realisation] | None = None,
 ) -> Iterator[MockGalaxy]:
-    """Draw galaxies from number ``first`` on, and yield each behind every shear, in all realisations unless given."""
+    """Draw galaxies from number ``first`` on, and yield every realisation of each galaxy with every shear.
+
+    Parameters
+    ----------
+    realisations
+        Realisations that are drawn; those of the experiment unless given.
+    """
     rng = np.random.default_rng([experiment.seed, first])
     more_rng = np.random.default_rng([experiment.seed, first, 1])
     galaxies = experiment.draw(number, rng)

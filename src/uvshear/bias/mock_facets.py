@@ -1,7 +1,7 @@
 """Facets of galaxies that are alone in the beam, drawn without visibilities.
 
 The correlation of a facet is the power of the beam times the model, plus noise whose variance in each component is that
-power. Visibilities would have been summed to the same.
+power. The sum over visibilities would have the same distribution.
 """
 
 import math
@@ -31,7 +31,7 @@ SCALE_LENGTHS = 45.0
 """Width of a facet over the median scale length, as in the extraction."""
 
 WIDEST = 560
-"""Largest side of a facet in pixels: the image of the beam ends somewhere."""
+"""Largest side of a facet [pixels], which the image of the beam must cover."""
 
 FacetNoise = Complex[Array, " cell"]
 """Noise of a facet's cells, in standard deviations of each component."""
@@ -80,7 +80,7 @@ class FacetSimulator:
         return found % len(u), found >= len(u)
 
     def facet(self, galaxy: GalaxyFit, profile: Profile, noise: FacetNoise) -> Facet:
-        """Return the facet to which the visibilities of a galaxy, with noise, would have been summed."""
+        """Return the facet of a galaxy with noise, as the sum over its visibilities would be."""
         model = Template(self.uv, profile).model(galaxy)
         correlation = self.power * model + np.sqrt(self.power) * noise
         return Facet(self.uv, correlation, self.power)

@@ -1,4 +1,4 @@
-"""Realisations of a galaxy and its noise in whose average both cancel."""
+"""Realisations of a galaxy and its noise, in whose average both cancel."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -10,14 +10,14 @@ from uvshear.galaxy import Galaxies
 
 @dataclass(frozen=True)
 class Realisation:
-    """A change of galaxies before they are lensed, and of their noise.
+    """Transformation of galaxies before they are lensed, and of their noise.
 
     Parameters
     ----------
     galaxies
-        Takes galaxies as they were drawn to those of the realisation.
+        Map from the galaxies that were drawn to those of the realisation.
     noise
-        Takes noise as it was drawn to that of the realisation.
+        Map from the noise that was drawn to that of the realisation.
     """
 
     galaxies: Callable[[Galaxies], Galaxies]
@@ -49,7 +49,7 @@ def _negative(simulator: FacetSimulator, noise: FacetNoise) -> FacetNoise:
 OPPOSITE: Final = tuple(
     Realisation(shape, noise) for shape in (_as_drawn, _crossed) for noise in (_same, _negative)
 )
-"""Ellipticities of both signs with noise of both signs: all that is odd in either cancels."""
+"""Ellipticities of both signs with noise of both signs: all terms that are odd in either cancel."""
 
 
 def _turn(realisation: Realisation) -> Realisation:
@@ -62,5 +62,5 @@ def _turn(realisation: Realisation) -> Realisation:
 TURNED: Final = (*OPPOSITE, *(_turn(realisation) for realisation in OPPOSITE))
 """The realisations of ``OPPOSITE``, and the same turned by a right angle together with their noise.
 
-Without a shear only the effect of the beam's own direction is left in the average: one galaxy tells as much of the
-additive bias as a hundred galaxies with the realisations of ``OPPOSITE`` alone."""
+Without a shear only the effect of the direction of the beam remains in the average: one galaxy determines the additive
+bias as well as a hundred galaxies with the realisations of ``OPPOSITE`` alone."""

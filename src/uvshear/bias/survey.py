@@ -1,4 +1,4 @@
-"""The survey whose galaxies are simulated: its observation, and the cuts by which galaxies are counted."""
+"""The survey whose galaxies are simulated: its observation, and the cuts that select galaxies."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -33,7 +33,7 @@ from uvshear.simulation.sky_region import SquareField
 
 @dataclass(frozen=True)
 class Survey:
-    """An observation of a population, and the galaxies that are counted.
+    """An observation of a population, and the cuts that select galaxies.
 
     Parameters
     ----------
@@ -48,8 +48,8 @@ class Survey:
     lens
         Map of galaxies by a shear.
     snr_min
-        Signal-to-noise ratio below which galaxies are left out, by the catalogue's flux and the median size: no shear
-        changes that cut.
+        Signal-to-noise ratio below which galaxies are left out, computed from the catalogue's flux and the median size,
+        so that shear does not move galaxies across the cut.
     measured_snr_min
         Signal-to-noise ratio of the fit below which a measurement is left out. Only for galaxies alone in the beam.
     flux_min, flux_max
@@ -57,7 +57,7 @@ class Survey:
     position_sigma
         Standard error of the catalogue's positions in l and in m [rad]. Only for galaxies alone in the beam.
     has_rings
-        Whether galaxies are seen with e and -e; in a crowded field they always are.
+        Whether galaxies are simulated with e and -e; in a crowded field they always are.
     averages_cells
         Whether facets are the paper's, which average in cells. Only for galaxies alone in the beam.
     """
@@ -130,8 +130,8 @@ class Survey:
         )
         if usual != self:
             raise InputError(
-                "a cut by the measured signal-to-noise ratio, errors of positions, missing rings and the paper's facets"
-                " are for galaxies alone in the beam; leave them out, or the density"
+                "a cut on the measured signal-to-noise ratio, position errors, no rings, and the paper's facets"
+                " are options for galaxies alone in the beam; leave out these options or the density"
             )
         side = math.sqrt(number / density) * ARCMIN
         galaxies = draw_population(

@@ -1,6 +1,6 @@
 """Estimators by name."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, TypeAlias, cast
 
@@ -41,7 +41,7 @@ def estimator_of(given: EstimatorLike) -> Estimator:
 def estimators_of(given: EstimatorLike | Sequence[EstimatorLike]) -> tuple[Estimator, ...]:
     """Return estimators from names joined by commas, or from estimators, classes and names; each name once."""
     parts = given.split(",") if isinstance(given, str) else given
-    if isinstance(parts, Estimator | type):
+    if not isinstance(parts, Iterable):
         parts = (parts,)
     found: dict[str, Estimator] = {}
     for part in parts:

@@ -1,4 +1,4 @@
-"""The protocol of executors: tasks in parallel, with results in the order of the tasks."""
+"""The base class of executors: tasks in parallel, with results in the order of the tasks."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
@@ -23,7 +23,7 @@ class Executor(ABC):
 
     @abstractmethod
     def at_most(self, workers: int) -> "Executor":
-        """Return an executor of this kind with no more workers than this, for tasks that need much memory each."""
+        """Return an executor of this kind with at most this number of workers, for tasks that each need much memory."""
 
     @abstractmethod
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
@@ -42,6 +42,6 @@ class Executor(ABC):
     ) -> Iterator[Result]:
         """Yield ``function(shared, task)`` for every task, which may run in another process.
 
-        ``function`` is defined in a module; ``shared`` is sent to each worker once. Both must be possible to pickle, as
-        must tasks and results.
+        ``function`` is defined in a module; ``shared`` is sent to each worker once. Both must be picklable, as must
+        tasks and results.
         """

@@ -12,9 +12,9 @@ from uvshear.execution.executor import Result, Task
 def ordered_results(
     pool: Pool, workers: int, function: Callable[[Task], Result], tasks: Iterable[Task]
 ) -> Iterator[Result]:
-    """Yield ``function(task)`` of every task; at most one task more than there are workers is begun ahead.
+    """Yield ``function(task)`` for every task; at most one task more than there are workers is begun in advance.
 
-    When a task fails, or nobody wants more results, tasks that have not begun are given up.
+    When a task fails, or no more results are requested, tasks that have not begun are cancelled.
     """
     waiting = iter(tasks)
     begun: deque[Future[Result]] = deque(

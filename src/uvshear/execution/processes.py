@@ -1,4 +1,4 @@
-"""Tasks in parallel processes, for work that holds the interpreter's lock."""
+"""Tasks in parallel processes, for work that holds Python's global lock."""
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -30,7 +30,7 @@ class Processes(Executor):
         return self.count
 
     def at_most(self, workers: int) -> "Processes":
-        """Return an executor of fewer processes if there are more than this, of one at least."""
+        """Return an executor with at most this number of processes, and at least one."""
         return Processes(max(1, min(self.count, workers)))
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:

@@ -12,7 +12,7 @@ from uvshear.execution.ordered import ordered_results
 
 @dataclass(frozen=True)
 class Threads(Executor):
-    """Runs tasks in ``count`` threads, which share memory and, outside compiled code, the interpreter's lock."""
+    """Runs tasks in ``count`` threads, which share memory and, outside compiled code, Python's global lock."""
 
     count: int
 
@@ -26,7 +26,7 @@ class Threads(Executor):
         return self.count
 
     def at_most(self, workers: int) -> "Threads":
-        """Return an executor of fewer threads if there are more than this, of one at least."""
+        """Return an executor with at most this number of threads, and at least one."""
         return Threads(max(1, min(self.count, workers)))
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:

@@ -1,8 +1,8 @@
-"""Source extraction: the sources of a field told apart and measured, by one algorithm a folder.
+"""Source extraction: the sources of a field are separated and measured. Each algorithm has a folder of its own.
 
-``field`` is what there is to measure, ``model`` what is believed of it, ``options`` how it is measured. ``extraction``
-is the protocol that every algorithm follows: ``converged`` subtracts all sources from one another until their sky no
-longer changes, ``paper`` takes one source after the other, as Rivi & Miller 2018.
+``field`` describes the sources that are to be measured, ``model`` the assumptions about them, and ``options`` the
+method. ``extraction`` has the base class of all algorithms: ``converged`` subtracts all sources from one another until
+the sky model no longer changes, and ``paper`` measures one source after the other, as Rivi & Miller 2018.
 """
 
 from uvshear.extraction.converged import ConvergedExtraction

@@ -1,4 +1,4 @@
-"""The protocol of source extraction: what every algorithm takes and gives."""
+"""The base class of extractions, with the inputs and the results of every algorithm."""
 
 import dataclasses
 from abc import ABC, abstractmethod
@@ -19,16 +19,16 @@ from uvshear.shapes.source_facet import Kept, Statistic
 
 @dataclass(frozen=True)
 class Setting:
-    """What every extraction is given besides the observation and the field.
+    """Assumptions and resources that every extraction is given besides the observation and the field.
 
     Parameters
     ----------
     model
-        What is believed of the sources.
+        Assumptions about the sources.
     resources
-        What may be used.
+        Executor and memory that may be used.
     keep
-        Statistics that are wanted of every source beside its shape.
+        Statistics that are to be computed for every source besides its shape.
     """
 
     model: Model = field(default_factory=Model)
@@ -38,21 +38,22 @@ class Setting:
 
 @dataclass(frozen=True)
 class Extracted:
-    """The sources of a field, each measured without the others.
+    """The sources of a field, each measured with the others subtracted.
 
     Parameters
     ----------
     measurements
-        By index of the catalogue, those of ``Field.measured``. Their ``snr`` is that of the baselines that took part;
-        the pipeline quotes that of natural weights.
+        Shapes of the sources of ``Field.measured``, by index of the catalogue. Their ``snr`` is that of the baselines
+        that were used; the pipeline replaces it by that of all baselines with natural weights.
     sky
-        All sources of the catalogue as they were found; sources that are not in ``Field.modelled`` have no flux.
+        All sources of the catalogue with their fitted parameters; sources that are not in ``Field.modelled`` have no
+        flux.
     uv_range
-        Baselines that took part [wavelengths].
+        Baselines that were used [wavelengths].
     record
-        How the extraction went: numbers and words that JSON knows, for the metadata of the shapes.
+        Record of the extraction, numbers and words that JSON knows, for the metadata of the shapes.
     kept
-        The statistics that were wanted, by index of the catalogue.
+        The requested statistics, by index of the catalogue.
     """
 
     measurements: Mapping[int, ShapeMeasurement]
@@ -63,13 +64,13 @@ class Extracted:
 
 
 class Extraction(ABC):
-    """An algorithm that tells the sources of a field apart and measures them."""
+    """An algorithm that separates the sources of a field and measures them."""
 
     models_attenuation: ClassVar[bool] = False
-    """Whether sources are modelled as averaging and primary beams leave them."""
+    """Whether the models of sources include smearing and primary beams."""
 
     keeps_statistics: ClassVar[bool] = False
-    """Whether it keeps statistics for estimators of the shear."""
+    """Whether the extraction can keep statistics for estimators of the shear."""
 
     @abstractmethod
     def extract(

@@ -1,4 +1,4 @@
-"""A catalogue as a measurement sees it."""
+"""The sources of a catalogue, prepared for a measurement."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ class Field:
     l, m
         Direction cosines of the catalogue's positions, on which facets are centred.
     sky
-        The sources as they are taken before anything is fitted.
+        The sources as they are assumed to be before anything is fitted.
     size
         Prior of each source's scale length.
     modelled
@@ -32,13 +32,14 @@ class Field:
     flags
         A :class:`FitFlag` for each source.
     uv_range
-        Baselines that take part; the longest is finite.
+        Baselines that are used; the longest is finite.
     summary
         Summary of the observation.
     flux_err, position_err
         Errors of the catalogue's fluxes [Jy] and positions along each axis [rad], 0 where they are not known.
     weight_correction
-        Information on the shape of each source over what the weights say; 1 for natural weights, which are 1/sigma^2.
+        Information on the shape of each source over the information that the weights imply; 1 for natural weights,
+        which are 1/sigma^2.
     """
 
     l: Float[Array, " source"]
@@ -59,14 +60,14 @@ class Field:
         return np.flatnonzero(self.flags == FitFlag.OK)
 
     def name(self, source: int, centre: PhaseCentre) -> tuple[int, ...]:
-        """Return numbers that tell a source from all others, those of other fields too: directions in nanoradians."""
+        """Return numbers that identify a source among those of all fields: directions in nanoradians."""
         angles = centre.ra, centre.dec, float(self.l[source]), float(self.m[source])
         return tuple(round(angle / _NANORADIAN) % 2**32 for angle in angles)
 
     def prior(
         self, source: int, position_radius: float | None, ellipticity: EllipticityPrior
     ) -> ShapePrior:
-        """Return the prior of a source, with the field's prior of its size."""
+        """Return the prior of a source, with the field's prior on its size."""
         return ShapePrior(
             log_scale_length=float(self.size.log_median[source]),
             log_scale_length_sigma=float(self.size.sigma[source]),

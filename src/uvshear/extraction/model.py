@@ -1,4 +1,4 @@
-"""What a measurement takes to be true of the galaxies, the catalogue and the dishes."""
+"""Assumptions of a measurement about the galaxies, the catalogue and the dishes."""
 
 from dataclasses import dataclass, field
 
@@ -16,7 +16,7 @@ from uvshear.interferometer.attenuation import Attenuation, total_attenuation
 
 @dataclass(frozen=True)
 class Model:
-    """What is believed; every part may be an object of the user's own.
+    """Assumptions about the galaxies and the dishes; every part may be an object of the user's own.
 
     Parameters
     ----------
@@ -25,16 +25,17 @@ class Model:
     size
         Source of the prior on the scale length.
     ellipticity
-        Prior of the posterior mean; flat over abs(e) < 0.95 unless given.
+        Prior on the ellipticity for the posterior mean; flat over abs(e) < 0.95 unless given.
     population
         Distribution of intrinsic ellipticities, for the weights of the shapes.
     position_radius
-        Radius of the uniform prior on the position [rad]; None stands for one width of the correlation's peak.
+        Radius of the uniform prior on the position [rad]; None stands for one width of the peak of the correlation.
     primary_beam
-        Primary beam of the dishes (``interferometer.primary_beam``), which makes fluxes those of the sky; None takes
-        sources as the dishes saw them.
+        Primary beam of the dishes (``interferometer.primary_beam``), with which fluxes are intrinsic; with None they
+        are apparent fluxes.
     smears
-        Whether sources are modelled as channels and integrations average them, each according to where it is.
+        Whether the models of sources are smeared by the averaging over channels and integrations, each source according
+        to its position.
     """
 
     profile: Profile = field(default_factory=Exponential)
@@ -46,5 +47,5 @@ class Model:
     smears: bool = True
 
     def attenuation(self, declination: float) -> Attenuation | None:
-        """Return what averaging and primary beams leave of sources, for a field at this declination [rad]."""
+        """Return the attenuation of sources by averaging and primary beams, for a field at this declination [rad]."""
         return total_attenuation(declination, self.primary_beam, smears=self.smears)

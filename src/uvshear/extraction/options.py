@@ -1,4 +1,4 @@
-"""How to measure: what is believed, by which method, with which resources, and what is kept."""
+"""Options of a measurement: its assumptions, its method, its resources, and the statistics that are kept."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,19 +17,20 @@ from uvshear.shapes.source_facet import Statistic
 
 @dataclass(frozen=True)
 class Method:
-    """How shapes are measured; every alternative is an object.
+    """The algorithm of a measurement and its settings; every alternative is an object.
 
     Parameters
     ----------
     extraction
-        The algorithm that tells sources apart, with its tolerances; ``ConvergedExtraction`` unless given.
+        The algorithm that separates sources, with its tolerances; ``ConvergedExtraction`` unless given.
     uv_range
-        Baselines that take part in the shapes.
+        Baselines that are used for the shapes.
     weightings
-        Applied to the natural weights one after the other (``interferometer.weighting``), which costs information.
-        Errors of e stay right for galaxies of every size, errors of fluxes do not (``extraction.weighted_shapes``).
+        Weightings that are applied to the natural weights one after the other (``interferometer.weighting``), which
+        costs information. The errors of e stay right for galaxies of every size, those of fluxes do not
+        (``extraction.weighted_shapes``).
     field_radius
-        Sources farther from the phase centre are flagged and left alone [rad].
+        Radius of the field about the phase centre [rad]; sources outside it are flagged and not measured.
     """
 
     extraction: Extraction = field(default_factory=ConvergedExtraction)
@@ -40,18 +41,18 @@ class Method:
 
 @dataclass(frozen=True)
 class MeasurementOptions:
-    """How to measure the sources of a catalogue.
+    """Options for the measurement of the sources of a catalogue.
 
     Parameters
     ----------
     model
-        What is believed.
+        Assumptions about the galaxies and the dishes.
     method
-        How it is done.
+        Algorithm and its settings.
     resources
-        What may be used.
+        Executor and memory that may be used.
     keep
-        Statistics that are kept of every source beside its shape, for estimators of the shear.
+        Statistics that are kept for every source besides its shape, for estimators of the shear.
     """
 
     model: Model = field(default_factory=Model)
@@ -63,7 +64,7 @@ class MeasurementOptions:
         kept = [statistic for statistic in self.keep if statistic.columns]
         if kept and self.method.weightings:
             raise InputError(
-                "statistics for estimators of the shear (--keep) take the noise for that of natural weights;"
+                "statistics for estimators of the shear (--keep) assume the noise of natural weights;"
                 " another weighting cannot be combined with them"
             )
         if kept and not self.method.extraction.keeps_statistics:
@@ -74,5 +75,5 @@ class MeasurementOptions:
 
     @property
     def setting(self) -> Setting:
-        """What every extraction is given, whatever its own method."""
+        """The part of the options that every extraction is given, whatever its method."""
         return Setting(self.model, self.resources, tuple(self.keep))

@@ -24,6 +24,6 @@ def extraction_named(name: str) -> Extraction:
     extraction = found() if callable(found) and not isinstance(found, Extraction) else found
     if not isinstance(extraction, Extraction):
         raise InputError(
-            f"the extraction '{name}' is no Extraction but a {type(extraction).__name__}"
+            f"the extraction '{name}' is not an Extraction but has the type {type(extraction).__name__}"
         )
     return extraction

@@ -1,4 +1,4 @@
-"""The order in which sources are fitted, and those that may be fitted side by side."""
+"""The order in which sources are fitted, and the sources that may be fitted in parallel."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -11,8 +11,8 @@ def fitting_levels(
 ) -> tuple[Int[Array, " member"], ...]:
     """Sort sources by level: each comes after all brighter ones within ``separation`` [rad] of it.
 
-    Within a level no two are closer than that. Decreasing flux matters between neighbours only, so this
-    gives what one long sequence in decreasing flux would give, in as many steps as the longest chain of neighbours
+    Within a level no two sources are closer than that. The order of fluxes matters between neighbours only, so that the
+    result is the same as in one long sequence of decreasing flux, in as many steps as the longest chain of neighbours
     has members.
     """
     if len(lm) == 0:

@@ -1,4 +1,4 @@
-"""The sky model, as it improves."""
+"""Updates of the sky model."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -9,7 +9,7 @@ from uvshear.shapes.measurement import GalaxyFit
 
 
 def with_fitted(sky: Galaxies, field: Field, fits: Mapping[int, GalaxyFit]) -> Galaxies:
-    """Let fitted galaxies (by index of the catalogue) replace what stood in the sky; the others stay as they are."""
+    """Replace sources of the sky by fitted galaxies, given by index of the catalogue; the others stay as they are."""
     l, m, flux = sky.l.copy(), sky.m.copy(), sky.flux.copy()
     scale_length, ellipticity = sky.scale_length.copy(), sky.ellipticity.copy()
     for source, fit in fits.items():

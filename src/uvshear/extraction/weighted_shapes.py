@@ -16,17 +16,17 @@ from uvshear.interferometer.weighting import TukeyTaper, WeightedObservation, we
 from uvshear.typing import Array, Float
 
 SIZES = 9
-"""Number of scale lengths at which the loss is worked out, evenly in the logarithm over those of a field."""
+"""Number of scale lengths at which the loss is computed, evenly spaced in the logarithm over those of a field."""
 
 
 def weigh(
     observation: Observation, field: Field, options: MeasurementOptions
 ) -> tuple[WeightedObservation, Float[Array, " source"]]:
-    """Apply the weightings of the options to the baselines of the uv range; return the correction of each source, too.
+    """Apply the weightings of the options within the uv range, and return the weight correction of each source.
 
-    Fits take weights for 1/sigma^2. So the weights are scaled by the factor that makes this true of the ellipticity of
-    a galaxy of the median size, and the rest, for other sizes, is the ``weight_correction`` of each source. It does
-    not apply to the errors of fluxes: with SKA-Mid AA2 and discs of 1 arcsec they are a third too large (Briggs or
+    Fits assume that weights are 1/sigma^2. The weights are therefore scaled such that the errors of e are right for a
+    galaxy of the median size; the remaining factor for other sizes is the ``weight_correction`` of each source. The
+    errors of fluxes are not corrected: with SKA-Mid AA2 and discs of 1 arcsec they are a third too large (Briggs or
     uniform weights), or a tenth to a fifth too small (Gaussian tapers of 1.5 and 4 arcsec).
     """
     cut = TukeyTaper(options.method.uv_range.minimum, options.method.uv_range.maximum)
@@ -49,7 +49,7 @@ def _log_scale(cells: BaselineMap, log_size: float, profile: Profile) -> float:
 
 
 def _log_scale_or(cells: BaselineMap, log_size: float, profile: Profile, other: float) -> float:
-    """Return ``other`` for a size whose shape these baselines do not tell: fits will say so."""
+    """Return the log scale of a size, or ``other`` where the baselines do not determine its shape: fits will say so."""
     try:
         return _log_scale(cells, log_size, profile)
     except InputError:

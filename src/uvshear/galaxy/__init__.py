@@ -1,8 +1,8 @@
-"""Galaxies: their parameters, their brightness profiles, and the priors of these.
+"""Galaxies: their parameters, their brightness profiles, and priors on both.
 
-``Galaxies`` is the container that the rest of the package passes on. A profile is a subclass of ``Profile`` that
-defines ``envelope``, as in ``exponential``, and ``registry`` finds it by name; a prior of the ellipticity is a subclass
-of ``EllipticityPrior`` that defines ``relative_density``. ``flux`` and ``size`` hold the distributions of Rivi & Miller
+``Galaxies`` is the container that the rest of the package uses. A profile is a subclass of ``Profile`` that defines
+``envelope``, as in ``exponential``, and ``registry`` finds it by name. A prior on the ellipticity is a subclass of
+``EllipticityPrior`` that defines ``relative_density``. ``flux`` and ``size`` hold the distributions of Rivi & Miller
 2018, section 3.
 """
 

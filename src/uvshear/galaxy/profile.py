@@ -1,4 +1,4 @@
-"""Protocol of brightness profiles: a Fourier transform as a function of one variable."""
+"""Base class of brightness profiles: a Fourier transform as a function of one variable."""
 
 from abc import ABC, abstractmethod
 
@@ -23,7 +23,7 @@ class Profile(ABC):
         """Fourier transform at ``q`` >= 0, in the dtype of ``q``; its value at 0 is 1."""
 
     def envelope_slope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
-        """Differentiate the envelope with respect to q, by central differences unless a subclass knows better."""
+        """Differentiate the envelope with respect to q, by central differences unless a subclass overrides this."""
         step = 1e-4 * (1 + q)
         ahead, behind = q + step, np.maximum(q - step, 0)
         return (self.envelope(ahead) - self.envelope(behind)) / (ahead - behind)

@@ -24,7 +24,7 @@ _KNOTS, _NODES = 500, 10_000
 
 @dataclass(frozen=True)
 class Sersic(Profile):
-    r"""Profile with brightness proportional to exp(-b (r/r_h)^(1/n)), r_h as for a disc of scale length alpha.
+    r"""Profile with brightness proportional to exp(-b (r/r_h)^(1/n)), with r_h of a disc of scale length alpha.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class DiscBulge(Profile):
     Parameters
     ----------
     fraction
-        Part of the flux that is in the bulge.
+        Fraction of the flux that is in the bulge.
     ratio
         Half-light radius of the bulge over that of the disc.
     """

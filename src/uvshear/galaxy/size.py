@@ -81,7 +81,7 @@ class CatalogueSize(SizeModel):
         """Prior of each source about its scale length in the catalogue."""
         if scale_length is None:
             raise InputError(
-                "the catalogue has no column 'scale_length', from which the prior of the size is to be taken"
+                "the catalogue has no column 'scale_length', which the prior on the size needs"
             )
         return SizePrior(np.log(scale_length), np.full(flux.shape, self.sigma))
 
@@ -126,7 +126,7 @@ class SizeFluxRelation(SizeModel):
         flux: Float[Array, " source"],
         scale_length: Float[Array, " source"] | None = None,
     ) -> SizePrior:
-        """Prior of each source at its flux [Jy]; the scale length in the catalogue does not count."""
+        """Prior of each source at its flux [Jy]; the scale length in the catalogue is not used."""
         return SizePrior(self.log_median(flux), np.full(flux.shape, self.sigma))
 
     def draw(

@@ -178,12 +178,12 @@ def lensing_components(
 def to_field_frame(
     g: Complex[Array, "..."], psi: float | Float[Array, "..."]
 ) -> Complex[Array, "..."]:
-    r"""Ellipticity or shear in the (l, m) frame of a field, from one in the frame of lensing catalogues.
+    r"""Ellipticity or shear in the (l, m) frame of a field, from that in the frame of lensing catalogues.
 
     .. math:: e = g^*\,e^{-2 i \psi}
 
     This is the inverse of :func:`to_local_north` followed by :func:`lensing_components`: g1 + i g2 refers to local
-    North, as TreeCorr takes positions in RA and Dec, and e1 + i e2 to the axes l and m of the phase centre.
+    North, which is TreeCorr's convention for RA and Dec, and e1 + i e2 to the axes l and m of the phase centre.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """The instrument: antennas, the baselines and channels that they sample, and the noise.
 
-``layout`` and ``coverage`` make baselines, ``spectral_window`` channels, ``noise`` their errors, and ``stokes``
-combines correlations into Stokes I. ``visibilities`` and ``facet`` hold the containers that the rest of the package uses.
-``accumulate`` is a pass over the visibilities, and ``first_pass`` the one that comes before any measurement.
+``layout`` and ``coverage`` give the baselines, ``spectral_window`` the channels and ``noise`` their noise; ``stokes``
+combines correlations into Stokes I. ``visibilities`` and ``facet`` hold the containers that the rest of the package
+uses. ``accumulate`` is a pass over the visibilities, and ``first_pass`` the one that comes before any measurement.
 """
 
 from uvshear.geometry.directions import PhaseCentre

@@ -1,4 +1,4 @@
-"""One pass over the visibilities of an observation, for everything that is to be learnt from it."""
+"""One pass over the visibilities of an observation, shared by several computations."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
@@ -11,7 +11,7 @@ Result_co = TypeVar("Result_co", covariant=True)
 
 
 class Accumulator(ABC, Generic[Result_co]):
-    """Gathers something from visibilities, chunk by chunk.
+    """A computation that goes once over the visibilities, chunk by chunk.
 
     A pass may be divided: each part has an accumulator of its own, and these are merged in the order of the
     visibilities.
@@ -19,11 +19,11 @@ class Accumulator(ABC, Generic[Result_co]):
 
     @abstractmethod
     def add(self, seen: Visibilities) -> None:
-        """Take in the next chunk."""
+        """Add the next chunk."""
 
     @abstractmethod
     def merge(self, later: Self) -> None:
-        """Take in what another accumulator of this kind has gathered from later visibilities."""
+        """Add the sums of another accumulator of this kind over later visibilities."""
 
     @abstractmethod
     def result(self) -> Result_co:
@@ -40,7 +40,7 @@ def accumulate(
     accumulators: Sequence[Accumulator[Any]],
     executor: Executor = SERIAL,
 ) -> tuple[Any, ...]:
-    """Read the observation once, show every chunk to all accumulators side by side, and return their results."""
+    """Read the observation once, add every chunk to all accumulators in parallel, and return their results."""
     show(observation.chunks(), accumulators, executor)
     return tuple(accumulator.result() for accumulator in accumulators)
 
@@ -50,7 +50,7 @@ def show(
     accumulators: Sequence[Accumulator[Any]],
     executor: Executor = SERIAL,
 ) -> None:
-    """Show chunks to all accumulators side by side, and leave the results for later."""
+    """Add chunks to all accumulators in parallel, without asking for their results."""
     for seen in chunks:
 
         def add(accumulator: Accumulator[Any], seen: Visibilities = seen) -> None:

@@ -1,13 +1,13 @@
 r"""Attenuation of a point source's visibility by averaging and by the dishes: real factors, sample by sample.
 
-A correlator averages over a channel and an integration, in which the phase of a source away from the phase centre
+A correlator averages over a channel and an integration, during which the phase of a source away from the phase centre
 turns. With tau = (u l + v m + w (n-1))/nu its delay and dphi the change of its phase over the integration, the factors
 are
 
 .. math:: \frac{\sin(\pi \tau \Delta\nu)}{\pi \tau \Delta\nu}\quad\text{and}\quad \frac{\sin(d\phi/2)}{d\phi/2}
 
-(the first is eq. 4 of Rivi & Miller 2018, with another 1/c and without w). A galaxy is small, so that its factor is
-that of its centre.
+(the first is eq. 4 of Rivi & Miller 2018, which has a different factor 1/c and no w). A galaxy is small, so that the
+factor at its centre applies to all of it.
 """
 
 import math
@@ -24,7 +24,7 @@ from uvshear.typing import Array, Float
 
 
 class Attenuation(ABC):
-    """A real factor of a sample and a direction."""
+    """A real factor that depends on the sample and on the direction."""
 
     @abstractmethod
     def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
@@ -36,7 +36,7 @@ class BandwidthSmearing(Attenuation):
     """Average over channels with a rectangular response."""
 
     def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
-        """Factor left by the average over the channel."""
+        """Factor by the average over the channel."""
         return np.sinc(_turns(samples.uvw, l, m) * (samples.bandwidth / samples.frequency))
 
 
@@ -53,7 +53,7 @@ class TimeSmearing(Attenuation):
     declination: float
 
     def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
-        """Factor left by the average over the integration."""
+        """Factor by the average over the integration."""
         rate = _turns(rotation(samples.uvw, self.declination), l, m)
         return np.sinc(rate * samples.interval)
 

@@ -1,4 +1,4 @@
-"""The weights of an observation over the length and the angle of its baselines."""
+"""The weights of an observation as a function of the length and the angle of its baselines."""
 
 import math
 from collections.abc import Callable
@@ -14,7 +14,8 @@ from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.typing import Array, Float, Int
 
 SHORTEST, LONGEST = 1.0, 1e8
-"""Range of lengths that the rings divide; shorter and longer baselines are in the first and last ring [wavelengths]."""
+"""Range of lengths that is divided into rings; shorter and longer baselines are in the first and last ring
+[wavelengths]."""
 
 PER_E_FOLD, PER_HALF_TURN = 40, 160
 """Number of rings in a factor of e in length, and of cells in half a turn: norms of galaxies with abs(e) <= 0.8 are
@@ -36,9 +37,9 @@ class BaselineMap:
     weight
         Sum of the natural weights w [Jy^-2].
     weighted_sum
-        Sum of w T, with T the factors of another weighting; sum of w where there is none.
+        Sum of w T, with T the factors of another weighting; the sum of w without another weighting.
     weighted_sum_of_squares
-        Sum of w T^2; sum of w where there is no other weighting.
+        Sum of w T^2; the sum of w without another weighting.
     u, v
         Mean baseline [wavelengths].
     log_frequency
@@ -99,7 +100,7 @@ class BaselineMapAccumulator(Accumulator[BaselineMap]):
 def map_baselines(
     observation: Observation, factors: Factors | None = None, executor: Executor = SERIAL
 ) -> BaselineMap:
-    """Read an observation once for the map of its weights."""
+    """Read an observation once and map its weights."""
     (cells,) = accumulate(observation, [BaselineMapAccumulator(factors)], executor)
     return cells
 

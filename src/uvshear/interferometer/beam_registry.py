@@ -30,9 +30,9 @@ class BeamFactory(Protocol):
     """Function, or class, that makes the primary beam of an array.
 
     It is called with two arguments: ``diameters``, the diameter of each antenna's dish [m], 0 where it is not known;
-    and ``pointing``, the direction cosines (l, m) about the phase centre of where the dishes pointed. It returns an
+    and ``pointing``, the direction cosines (l, m) of the pointing direction about the phase centre. It returns an
     :class:`~uvshear.interferometer.attenuation.Attenuation`, whose ``factor`` is the product of the voltage beams of
-    the two antennas of each sample. A dish whose diameter matters and is not known is an ``InputError``.
+    the two antennas of each sample. It raises an ``InputError`` if it needs the diameter of a dish that is not known.
     """
 
     def __call__(
@@ -56,7 +56,7 @@ def primary_beam_named(
     diameters
         Diameter of each antenna's dish [m], or a function that returns it; 0 or NaN where it is not known.
     pointing
-        Direction cosines (l, m) of where the dishes pointed.
+        Direction cosines (l, m) of the pointing direction.
     """
     make: BeamFactory = PRIMARY_BEAMS.find(name)
     if not callable(make):
@@ -71,14 +71,14 @@ def primary_beam_named(
 
 
 def airy(diameters: Float[Array, " antenna"], pointing: tuple[float, float]) -> AiryBeam:
-    """Return the beam of uniformly lit dishes."""
+    """Return the beam of uniformly illuminated dishes."""
     return AiryBeam.from_diameters(diameters, pointing)
 
 
 def cosine_cubed(
     diameters: Float[Array, " antenna"], pointing: tuple[float, float]
 ) -> CosineCubedBeam:
-    """Return the power beam cos^3, as wide as that of uniformly lit dishes."""
+    """Return the power beam cos^3, as wide as that of uniformly illuminated dishes."""
     return CosineCubedBeam.from_diameters(diameters, pointing)
 
 

@@ -48,15 +48,15 @@ class Track:
         if not 0 < self.integration < math.inf:
             raise InputError(f"the integration is {self.integration:g} s; it must be positive")
         if not self.hour_angles:
-            raise InputError("the track has no range of hour angles; one or more are needed")
+            raise InputError("the track has no range of hour angles; at least one is needed")
         for start, stop in self.hour_angles:
             if not -math.inf < start < stop < math.inf:
                 raise InputError(
-                    f"the hour angles {_hours(start):g} h to {_hours(stop):g} h are no range;"
-                    " it needs start < stop"
+                    f"the hour angles {_hours(start):g} h to {_hours(stop):g} h are not a range;"
+                    " start < stop is needed"
                 )
         if sum(stop - start for start, stop in self.hour_angles) > 2 * math.pi * (1 + 1e-9):
-            raise InputError("the hour angles span more than 24 hours; 24 or less are needed")
+            raise InputError("the hour angles span more than 24 hours; 24 hours or less are needed")
         ordered = sorted(self.hour_angles)
         for (_, stop), (start, _) in pairwise(ordered):
             if start < stop:
@@ -130,9 +130,9 @@ class Coverage:
 
 
 def synthesise(layout: ArrayLayout, track: Track) -> Coverage:
-    r"""Let the Earth turn an array below a direction.
+    r"""Compute the baselines of an array while the Earth turns below a direction.
 
-    With H the hour angle at Greenwich (the local one less the longitude), delta the declination:
+    With the hour angle H at Greenwich (the local hour angle less the longitude) and the declination delta:
 
     .. math::
 
@@ -142,8 +142,8 @@ def synthesise(layout: ArrayLayout, track: Track) -> Coverage:
 
     Notes
     -----
-    The phase centre's ICRS coordinates stand for the apparent ones. The samples are placed at the
-    first transit after J2000, where that is true to 5e-5 rad (nutation, aberration, UT1 - UTC).
+    ----- The phase centre's ICRS coordinates are used as the apparent coordinates. The samples are placed at the first
+    transit after J2000, where this is correct to 5e-5 rad (nutation, aberration, UT1 - UTC).
 
     References
     ----------

@@ -1,4 +1,4 @@
-"""Warnings about data that are measured all the same."""
+"""Warnings about facts of the data that do not prevent a measurement."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -7,24 +7,24 @@ from uvshear.interferometer.origin import HasNotices, Origin
 from uvshear.interferometer.sample_counts import SampleCounts
 
 WEIGHTS_OFF: Final = 0.2
-"""Fraction by which the noise may differ from what the weights claim before it is worth a warning."""
+"""Fraction by which the noise may differ from the noise that the weights imply without a warning."""
 
 
 @dataclass(frozen=True)
 class DataQuality:
-    """What one pass over a part of an observation tells of its data.
+    """State of the data of one part of an observation, from one pass over it.
 
     Parameters
     ----------
     name
         Name of the part, for messages.
     notices
-        Sentences from the metadata alone.
+        Facts from the metadata, one sentence each.
     counts
-        Numbers of samples by whether and why they were left out; None where nobody has counted.
+        Numbers of samples that were used and that were left out, by reason; None where the reader has not counted.
     noise_ratio
-        Standard deviation of the noise over the one that the weights claim; None where it is not known, or where
-        the weights make no claim.
+        Standard deviation of the noise over the one that the weights imply; None where it is not known, or where the
+        weights do not claim to be 1/sigma^2.
     """
 
     name: str
@@ -36,7 +36,7 @@ class DataQuality:
     def from_pass(
         cls, origin: Origin, counts: SampleCounts | None, noise_ratio: float | None
     ) -> "DataQuality":
-        """Put together what a pass has gathered and what the metadata tell."""
+        """Combine the results of a pass with the facts from the metadata."""
         source = origin.observation
         notices = source.notices() if isinstance(source, HasNotices) else ()
         known = noise_ratio if origin.weights_tell_noise else None
@@ -57,8 +57,8 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
     found += [f"{name}: {notice}" for notice in quality.notices]
     if ratio is not None and abs(ratio - 1) > WEIGHTS_OFF:
         found.append(
-            f"{name}: the noise is {ratio:.3g} times what the weights claim, judged by the scatter of neighbouring"
-            " samples; all errors are wrong by this factor unless the weights are corrected or measured from the data"
-            " (--noise data)"
+            f"{name}: the noise is {ratio:.3g} times what the weights claim, judging by the scatter of neighbouring"
+            " samples; all errors are wrong by this factor unless the weights are corrected, or the noise is taken from"
+            " the data (--noise data)"
         )
     return tuple(found)

@@ -1,4 +1,4 @@
-"""The dishes of an observation, which a primary beam depends on: their diameters and where they pointed."""
+"""The dishes of an observation, on which its primary beam depends: their diameters and the pointing direction."""
 
 import math
 from typing import Protocol, runtime_checkable
@@ -25,7 +25,7 @@ class HasDishes(Protocol):
         ...
 
     def pointing_direction(self) -> PhaseCentre:
-        """Return the direction in which the dishes pointed; after a change of phase centre it is another."""
+        """Return the direction in which the dishes pointed, which a later change of phase centre does not change."""
         ...
 
 
@@ -36,21 +36,21 @@ def dish_diameters(observation: Observation) -> Float[Array, " antenna"]:
     for origin, diameters in zip(origins[1:], found[1:], strict=True):
         if not np.array_equal(diameters, found[0]):
             raise InputError(
-                f"{origin.name}: its dishes are not those of {origins[0].name};"
-                " a primary beam needs the same dishes"
+                f"{origin.name}: its dishes differ from those of {origins[0].name};"
+                " a primary beam needs the same dishes in all parts"
             )
     return found[0]
 
 
 def pointing_of(observation: Observation) -> tuple[float, float]:
-    """Direction cosines (l, m) of where the dishes pointed, about the phase centre of the observation."""
+    """Direction cosines (l, m) of the pointing direction about the phase centre of the observation."""
     origins = [origin_of(part) for part in parts_of(observation)]
     found = [_pointing(origin) for origin in origins]
     for origin, pointing in zip(origins[1:], found[1:], strict=True):
         if math.dist(pointing, found[0]) > SAME_POINTING:
             raise InputError(
                 f"{origin.name}: its dishes pointed elsewhere than those of {origins[0].name};"
-                " a primary beam needs one pointing"
+                " a primary beam needs the same pointing in all parts"
             )
     return found[0] if math.hypot(*found[0]) > SAME_POINTING else (0.0, 0.0)
 
@@ -70,7 +70,7 @@ def _pointing(origin: Origin) -> tuple[float, float]:
 def _with_dishes(origin: Origin) -> HasDishes:
     if not isinstance(origin.observation, HasDishes):
         raise InputError(
-            f"{origin.name}: its format does not tell the dishes, which a primary beam needs;"
+            f"{origin.name}: its format does not describe the dishes, which a primary beam needs;"
             " a measurement without a primary beam (--primary-beam none) is possible"
         )
     return origin.observation

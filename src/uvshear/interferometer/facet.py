@@ -1,4 +1,4 @@
-"""Facets: the visibilities around one direction, reduced to what a fit needs."""
+"""Facets: the visibilities around one direction, reduced to sufficient statistics."""
 
 from dataclasses import dataclass
 from typing import Self

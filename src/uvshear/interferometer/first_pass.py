@@ -40,7 +40,7 @@ class FirstPass:
 def first_pass(observation: Observation, executor: Executor = SERIAL) -> FirstPass:
     """Read an observation once.
 
-    Weights that were scaled to the noise of the data, or by another weighting, are not compared with the noise.
+    Weights that were scaled to the noise of the data or changed by another weighting are not compared with the noise.
 
     Raises
     ------

@@ -30,7 +30,7 @@ class JointObservation:
             if distance > SAME_DIRECTION:
                 raise InputError(
                     f"{origin_of(part).name}: its phase centre is {distance / ARCSEC:.3g} arcsec from that of"
-                    f" {origin_of(first).name}; observations that are measured together share it"
+                    f" {origin_of(first).name}; observations that are measured together must share their phase centre"
                 )
         return cls(first.phase_centre, tuple(parts))
 

@@ -1,4 +1,4 @@
-"""Positions of the antennas of an array: arrays that come with the package, or your own."""
+"""Positions of the antennas of an array that comes with the package or is described in a file."""
 
 import math
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ SHIPPED: Final = MappingProxyType(
         "e-merlin": ("e-merlin.txt", None),
     }
 )
-"""File of each known array, and the stage of construction whose dishes it has (None: all)."""
+"""File of each known array, and the stage of construction whose dishes it includes (None: all dishes)."""
 
 STAGE_COLUMN: Final = MappingProxyType({"AA1": 9, "AA2": 10, "AAstar": 11})
 """Column, counted from 0, of a stage's membership flag in ska-mid.txt."""
@@ -64,11 +64,11 @@ class ArrayLayout:
         count = len(self.positions)
         if count < 2:
             raise InputError(
-                f"layout {self.name}: an interferometer has two antennas or more, found {count}"
+                f"layout {self.name}: {count} antennas; an interferometer has two or more"
             )
         if not len(self.antenna_names) == len(self.diameters) == count:
             raise InputError(
-                f"layout {self.name}: every antenna has one name, position and diameter"
+                f"layout {self.name}: every antenna needs one name, one position and one diameter"
             )
 
     def __len__(self) -> int:
@@ -109,8 +109,8 @@ def known_layouts() -> tuple[str, ...]:
 def load_layout(name_or_path: str | Path) -> ArrayLayout:
     """Return a known array, or read a file of the user's.
 
-    The file has one antenna a line, ``X Y Z [diameter [name ...]]``: geocentric ITRF coordinates
-    [m], dish diameter [m], name; further columns are ignored, ``#`` starts a comment.
+    The file has one line for each antenna, ``X Y Z [diameter [name ...]]``: geocentric ITRF coordinates [m], dish
+    diameter [m] and name. Further columns are ignored, and ``#`` starts a comment.
     """
     name = str(name_or_path).lower()
     if name in SHIPPED:
@@ -159,8 +159,8 @@ def _parse(text: str, path: Path) -> tuple[list[str], list[tuple[int, list[str]]
         position = tuple(_numbers(columns, where)[:3])
         if position in first_line_at:
             raise InputError(
-                f"{where}: the same position as line {first_line_at[position]};"
-                " every antenna needs a place of its own"
+                f"{where}: has the same position as line {first_line_at[position]};"
+                " every antenna needs a position of its own"
             )
         first_line_at[position] = number
         rows.append((number, columns))

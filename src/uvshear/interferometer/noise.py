@@ -1,4 +1,4 @@
-"""Thermal noise of the correlations, from the dishes' sensitivity or as a given number."""
+"""Thermal noise of the correlations, from the sensitivity of the dishes or as a given number."""
 
 import math
 from abc import ABC, abstractmethod
@@ -21,12 +21,12 @@ class Noise(ABC):
 
     @abstractmethod
     def correlation_sigma(self, coverage: Coverage, channels: Channels) -> Float[Array, "row chan"]:
-        """Return the deviation of ONE real component of one correlation (XX, say) [Jy]."""
+        """Return the standard deviation of ONE real component of one correlation, for example XX [Jy]."""
 
 
 @dataclass(frozen=True)
 class RadiometerNoise(Noise):
-    """Noise from the dishes' sensitivity; subclasses say whether it belongs to a correlation or to Stokes I.
+    """Noise from the sensitivity of the dishes; subclasses say whether it is that of a correlation or of Stokes I.
 
     Parameters
     ----------
@@ -46,9 +46,9 @@ class RadiometerNoise(Noise):
 @final
 @dataclass(frozen=True)
 class CorrelationNoise(RadiometerNoise):
-    """Noise whose :func:`radiometer_sigma` applies to each correlation: the physical reading.
+    """Noise whose :func:`radiometer_sigma` applies to each correlation, as the radiometer equation means it.
 
-    Stokes I has sigma / sqrt(2), so sqrt(2) more signal to noise than :class:`StokesINoise`.
+    Stokes I then has sigma / sqrt(2), and signal-to-noise ratios are higher by sqrt(2) than with :class:`StokesINoise`.
     """
 
     def correlation_sigma(self, coverage: Coverage, channels: Channels) -> Float[Array, "row chan"]:
@@ -61,7 +61,7 @@ class CorrelationNoise(RadiometerNoise):
 class StokesINoise(RadiometerNoise):
     """Noise whose :func:`radiometer_sigma` applies to Stokes I: Rivi & Miller 2018, section 3.
 
-    Each correlation has sqrt(2) sigma.
+    Each correlation then has sqrt(2) sigma.
     """
 
     def correlation_sigma(self, coverage: Coverage, channels: Channels) -> Float[Array, "row chan"]:
@@ -118,7 +118,7 @@ def _sefd_of_antennas(sefd: Sefd, coverage: Coverage) -> Float[Array, " antenna"
         missing = sorted({f"{diameter:g}" for diameter in diameters[np.isnan(values)]})
         raise InputError(
             f"layout {coverage.layout.name} has dishes of {', '.join(missing)} m without an SEFD;"
-            " give one for each diameter, or one for all"
+            " give an SEFD for each diameter, or one for all"
         )
     return values
 
@@ -128,4 +128,4 @@ def _check(sefd: Sefd, efficiency: float) -> None:
     if not all(0 < value < math.inf for value in values):
         raise InputError(f"an SEFD of {sefd} Jy; it must be positive")
     if not 0 < efficiency <= 1:
-        raise InputError(f"an efficiency of {efficiency:g}; it lies above 0 and up to 1")
+        raise InputError(f"an efficiency of {efficiency:g}; it must be above 0 and at most 1")

@@ -21,24 +21,24 @@ FEWEST_PAIRS = 100
 """Number of differences below which no ratio is given."""
 
 _COMPARABLE = 0.1
-"""Differences between channels and differences between integrations are compared where the less numerous kind has at
-least this fraction of the other's number."""
+"""Differences between channels and differences between integrations are compared where the number of the less numerous
+kind is at least this fraction of the other."""
 
 Differences = tuple[Float[Array, " channel_pair"], Float[Array, " integration_pair"]]
 """Squared differences over their expected variance, between channels and between integrations."""
 
 
 class NoiseRatioAccumulator(Accumulator[float | None]):
-    r"""Estimates the standard deviation of the noise over the one that the weights claim.
+    r"""Estimates the standard deviation of the noise over the one that the weights imply.
 
-    Neighbours are channels of a row, or integrations of a baseline, whichever differ less: a bright sky, and one far
-    from the phase centre, also differs between neighbours. With D the difference of two samples of weights w,
+    Neighbours are channels of a row, or integrations of a baseline, whichever differ less: the visibilities of bright
+    sources far from the phase centre also differ between neighbours. With D the difference of two samples of weights w,
 
     .. math:: \frac{\sigma^2}{\sigma_w^2} = \frac{\mathrm{med}\,\{|D|^2 / (1/w_1 + 1/w_2)\}}{2 \ln 2}
 
-    The result is None where fewer than a hundred pairs have weight, or where nobody knows which rows belong together.
-    In a large set the first million pairs are used. Channels that were smoothed (Hanning) share noise, and seem
-    quieter than they are.
+    The result is None where fewer than a hundred pairs have weight, or where it is not known which rows belong to one
+    baseline. In a large set the first million pairs are used. Channels that were smoothed (Hanning) have correlated
+    noise, which makes the estimate too small.
     """
 
     def __init__(self) -> None:
@@ -77,7 +77,7 @@ class NoiseRatioAccumulator(Accumulator[float | None]):
 
 
 def noise_over_weights(observation: Observation) -> float | None:
-    """Estimate the noise's standard deviation over the one that the weights claim (:class:`NoiseRatioAccumulator`)."""
+    """Estimate the noise over the one that the weights imply (:class:`NoiseRatioAccumulator`)."""
     ratio: float | None
     (ratio,) = accumulate(observation, [NoiseRatioAccumulator()])
     return ratio
@@ -119,8 +119,8 @@ def scaled_to_its_noise(observation: Observation) -> ScaledObservation:
     ratio = noise_over_weights(observation)
     if not ratio:
         raise InputError(
-            f"{origin_of(observation).name}: --noise data: neighbouring samples do not tell the noise"
-            " (too few of them, or no noise at all); --noise weights is needed"
+            f"{origin_of(observation).name}: --noise data: the noise cannot be estimated from neighbouring samples"
+            " (there are too few of them, or they have no noise); --noise weights is needed"
         )
     return ScaledObservation(observation, ratio)
 

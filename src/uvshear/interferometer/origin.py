@@ -50,7 +50,7 @@ class HasOrigin(Protocol):
 
 @runtime_checkable
 class HasNotices(Protocol):
-    """An observation that knows facts about its data that a user should be told before they are measured."""
+    """An observation that has facts about its data which a user should know before they are measured."""
 
     def notices(self) -> tuple[str, ...]:
         """Return a sentence for each fact, from metadata alone."""
@@ -63,5 +63,5 @@ def parts_of(observation: Observation) -> tuple[Observation, ...]:
 
 
 def origin_of(observation: Observation) -> Origin:
-    """Return the origin of an observation; it is its own where it does not say anything else."""
+    """Return the origin of an observation, which is the observation itself unless it names another."""
     return observation.origin() if isinstance(observation, HasOrigin) else Origin(observation)

@@ -21,8 +21,8 @@ class ObservingPlan:
     channels
         Frequencies.
     is_averaged
-        Whether samples are averages over channels and integrations, as a correlator makes them; else they are taken
-        at one frequency and time, as in Rivi & Miller 2018.
+        Whether samples are averages over channels and integrations, as from a correlator; otherwise each sample is at
+        one frequency and one time, as in Rivi & Miller 2018.
     primary_beam
         Primary beam of the dishes (``interferometer.primary_beam``); none unless given.
     """

@@ -1,4 +1,4 @@
-r"""Primary beams: how the response of a dish falls away from where it points.
+r"""Primary beams: the response of a dish as a function of the distance from its pointing direction.
 
 A visibility contains the product of the voltage beams of its two antennas, which for equal dishes is the power beam.
 """
@@ -22,8 +22,8 @@ MEERKAT_WIDTH = math.radians(57.5 / 60) * 1.5e9
 """Full width at half maximum of a MeerKAT dish's power beam, times the frequency [rad Hz]."""
 
 _UNIFORM_WIDTH = 1.028993969962188
-"""Full width at half maximum of the power beam of a uniformly lit disc, over wavelength/diameter: (2 J1(x)/x)^2 is 1/2
-at x = 1.616."""
+"""Full width at half maximum of the power beam of a uniformly illuminated disc, over wavelength/diameter: (2 J1(x)/x)^2
+is 1/2 at x = 1.616."""
 
 _COSINE_WIDTH = 1.18896
 """Argument of the cosine taper's beam, in full widths at half maximum."""
@@ -36,11 +36,11 @@ class PrimaryBeam(Attenuation):
     Parameters
     ----------
     width
-        Full width at half maximum of each antenna's power beam, times the frequency [rad Hz]; a single number where
-        all dishes are alike.
+        Full width at half maximum of each antenna's power beam, times the frequency [rad Hz]; a single number if all
+        dishes are alike.
     pointing
-        Direction cosines (l, m) of the dishes' axis: elsewhere than (0, 0) where the phase centre was changed after
-        the observation.
+        Direction cosines (l, m) of the dishes' axis, which are not (0, 0) if the phase centre was changed after the
+        observation.
     """
 
     width: Float[Array, " antenna"]
@@ -64,14 +64,14 @@ class PrimaryBeam(Attenuation):
             self.width
         ):
             raise InputError(
-                f"the dishes differ, and not all samples are of antennas 0 to {len(self.width) - 1}"
+                f"the dishes differ, and some samples have antennas other than 0 to {len(self.width) - 1}"
             )
         return self.voltage(scaled / self.width[first]) * self.voltage(scaled / self.width[second])
 
 
 @dataclass(frozen=True)
 class AiryBeam(PrimaryBeam):
-    """Beam of uniformly lit discs."""
+    """Beam of uniformly illuminated discs."""
 
     @classmethod
     def from_diameters(
@@ -94,7 +94,7 @@ class CosineCubedBeam(PrimaryBeam):
     def from_diameters(
         cls, diameters: Float[Array, " antenna"], pointing: tuple[float, float] = (0.0, 0.0)
     ) -> Self:
-        """Return the beam as wide as that of uniformly lit discs of these diameters [m], all of them known."""
+        """Return the beam as wide as that of uniformly illuminated discs of these diameters [m], all of them known."""
         return cls(_width_of_disc(diameters), pointing)
 
     def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
@@ -125,6 +125,6 @@ def _width_of_disc(diameters: Float[Array, " antenna"]) -> Float[Array, " antenn
     if np.any(unknown):
         raise InputError(
             f"the diameter of the dish of antenna {int(np.argmax(unknown))} is not given, and the primary beam"
-            " depends on it; the beam 'meerkat' depends on no diameter"
+            " depends on it; the beam 'meerkat' does not depend on diameters"
         )
     return _UNIFORM_WIDTH * SPEED_OF_LIGHT / diameters

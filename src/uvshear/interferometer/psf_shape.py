@@ -18,7 +18,7 @@ WEIGHT_SIGMA: Final = 3 * ARCSEC
 MOST_ROUNDS: Final = 500
 
 FEWEST_PIXELS: Final = 9
-"""Least number of pixels of a main lobe that can be fitted."""
+"""Smallest number of pixels of a main lobe that can be fitted."""
 
 
 @dataclass(frozen=True)

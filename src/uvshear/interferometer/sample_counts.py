@@ -1,4 +1,4 @@
-"""Numbers of samples that were read, and reasons why some of them take no part in a measurement."""
+"""Numbers of samples that were read, and of those that are left out, by reason."""
 
 from dataclasses import dataclass, fields
 from typing import Self
@@ -11,7 +11,7 @@ class SampleCounts:
     Parameters
     ----------
     rows
-        Rows of two different antennas.
+        Rows with two different antennas.
     autocorrelations
         Rows left out because both antennas are the same.
     samples
@@ -19,7 +19,7 @@ class SampleCounts:
     usable
         Samples with a positive weight.
     flagged
-        Samples whose flag, or whose row's flag, is set in a hand.
+        Samples that are flagged in one of the correlations or by the flag of the row.
     non_finite
         Samples without a flag that have a NaN or an infinity in data or weight.
     non_positive_weights

@@ -1,4 +1,4 @@
-"""Visibilities without rows and channels: one element a sample, baselines in wavelengths."""
+"""Visibilities without rows and channels: one element for each sample, with baselines in wavelengths."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -45,7 +45,7 @@ class Samples:
 
     @classmethod
     def from_visibilities(cls, visibilities: Visibilities, shortest: float, longest: float) -> Self:
-        """Take the samples with weight whose uv distance [wavelengths] is in [shortest, longest)."""
+        """Select the samples with weight whose uv distance [wavelengths] is in [shortest, longest)."""
         distance = visibilities.uv_distance
         taken = (visibilities.weights > 0) & (distance >= shortest) & (distance < longest)
         return cls.at(visibilities, *np.nonzero(taken))
@@ -85,7 +85,7 @@ class Samples:
         )
 
     def select(self, chosen: Bool[Array, " sample"] | Shaped[Array, " chosen"] | slice) -> Self:
-        """Return the samples chosen (any one-dimensional numpy index)."""
+        """Return the chosen samples (any one-dimensional numpy index)."""
         return type(self)(
             *(getattr(self, name)[chosen] for name in type(self).__dataclass_fields__)
         )

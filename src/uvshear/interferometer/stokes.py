@@ -57,7 +57,7 @@ def parallel_hands(correlation_types: Sequence[int]) -> tuple[int, ...]:
         if present:
             return present
     raise InputError(
-        f"correlation types {types} hold no Stokes I;"
+        f"correlation types {types} do not give Stokes I;"
         " XX and YY (9, 12), RR and LL (5, 8) or I (1) are needed"
     )
 
@@ -67,11 +67,11 @@ def stokes_i(
     weights: Float[Array, "row chan corr"],
     flags: Bool[Array, "row chan corr"],
 ) -> StokesI:
-    r"""Combine the hands of :func:`parallel_hands`, one or two of them.
+    r"""Combine the correlations of :func:`parallel_hands`, one or two of them.
 
     .. math:: I = (p + q)/2, \qquad w_I = \frac{4}{1/w_p + 1/w_q}
 
-    A single hand is taken for Stokes I. A visibility is left out if one of its hands is flagged or unusable.
+    A single hand is taken as Stokes I. A visibility is left out if one of its hands is flagged or unusable.
     """
     flagged = flags[..., 0]
     finite = np.isfinite(correlations[..., 0]) & np.isfinite(weights[..., 0])

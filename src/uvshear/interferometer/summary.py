@@ -1,4 +1,4 @@
-"""Summary of an observation from one reading, before anything is measured."""
+"""Summary of an observation from one pass, before anything is measured."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -13,7 +13,7 @@ from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.typing import Array, Float
 
 PROBES = 4096
-"""Number of samples that stand for all of them where sources are attenuated differently."""
+"""Number of samples that represent all of them where sources are attenuated differently."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class ObservationSummary:
     weight
         Sum of the weights [Jy^-2]: 1/weight is the variance of a point source's flux.
     probes
-        Some thousand of the samples, drawn evenly.
+        A few thousand of the samples, drawn at random.
     """
 
     rows: int
@@ -50,8 +50,8 @@ class ObservationSummary:
 class SummaryAccumulator(Accumulator[ObservationSummary]):
     """Gathers an :class:`ObservationSummary`.
 
-    Every sample with weight is given a random number, and the samples with the lowest numbers of all are the probes:
-    an even draw from a number of samples that is not known beforehand.
+    Every sample with weight is given a random number, and the samples with the lowest numbers are the probes. This is a
+    uniform draw although the number of samples is not known beforehand.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ class SummaryAccumulator(Accumulator[ObservationSummary]):
             self._draw(Samples.at(seen, row[drawn], chan[drawn]), numbers[drawn])
 
     def merge(self, later: Self) -> None:
-        """Take in what was gathered from later visibilities."""
+        """Add the sums over later visibilities."""
         self._rows += later._rows
         self._samples += later._samples
         self._highest = max(self._highest, later._highest)

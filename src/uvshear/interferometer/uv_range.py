@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class UvRange:
-    """Lengths of the baselines that shapes are measured from [wavelengths]."""
+    """Lengths of the baselines on which shapes are measured [wavelengths]."""
 
     minimum: float = 0.0
     maximum: float = float("inf")

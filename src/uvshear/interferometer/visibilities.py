@@ -1,4 +1,4 @@
-"""Visibilities of Stokes I with their weights: what every measurement starts from."""
+"""Stokes I visibilities with their weights, the data of every measurement."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ class Integrations:
     antennas
         Numbers of ANTENNA1 and ANTENNA2.
     time
-        Middle of the integration [s], from any epoch.
+        Middle of the integration [s], counted from any epoch.
     interval
         Length of the integration [s]; 0 where nothing was averaged.
     """
@@ -31,7 +31,7 @@ class Integrations:
     interval: Float[Array, " row"]
 
     def select(self, chosen: Bool[Array, " row"] | slice) -> Self:
-        """Return the rows chosen."""
+        """Return the chosen rows."""
         return type(self)(self.antennas[chosen], self.time[chosen], self.interval[chosen])
 
 
@@ -54,7 +54,8 @@ class Visibilities:
     integrations
         Integration of each row; None where it is not known.
     counts
-        Numbers of samples of the block by whether and why they were left out; None where nobody has counted.
+        Numbers of samples of the block that were used and that were left out, by reason; None where the reader has not
+        counted.
     """
 
     uvw: Float[Array, "row 3"]
@@ -83,7 +84,7 @@ class Visibilities:
 class Observation(Protocol):
     """Visibilities of one pointing, read in chunks as often as needed: in memory, or from a file.
 
-    A reader of a file format returns an object with these two members. What else an observation may tell is asked for
+    A reader of a file format returns an object with these two members. Optional properties of observations are found
     through ``interferometer.origin`` and ``interferometer.dishes``.
     """
 

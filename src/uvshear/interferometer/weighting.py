@@ -1,7 +1,7 @@
 """Weightings other than the natural one.
 
 A weighting multiplies the natural weights w = 1/sigma^2 by factors T. The noise of a sum over visibilities then no
-longer follows from the weights: what a weighting costs is in ``diagnostics.weighting_loss``.
+longer follows from the weights; ``diagnostics.weighting_loss`` computes the loss of information.
 """
 
 import math
@@ -34,7 +34,7 @@ class Weighting(ABC):
 
     @abstractmethod
     def factors_for(self, observation: "WeightedObservation") -> Factors:
-        """Return the factors for an observation, which is read first if need be."""
+        """Return the factors for an observation, which is read first if necessary."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class WeightedObservation:
 
 
 def weighted(observation: Observation, weightings: Sequence[Weighting]) -> WeightedObservation:
-    """Apply weightings in their order; each starts from the weights that those before it have made."""
+    """Apply weightings in their order; each starts from the weights that the ones before it have produced."""
     result = WeightedObservation(observation)
     for weighting in weightings:
         result = replace(result, factors=(*result.factors, weighting.factors_for(result)))
@@ -152,19 +152,19 @@ def _edge(inside: Float[Array, "..."], width: float) -> Float[Array, "..."]:
 NO_WEIGHT = "no visibility carries weight; a wider uv range, or another weighting, is needed"
 
 MOST_CELLS = 2**28
-"""Most cells of a grid of densities: 2 GB."""
+"""Largest number of cells of a grid of densities: 2 GB."""
 
 
 @dataclass(frozen=True)
 class Briggs(Weighting):
-    r"""Between natural and uniform weights, by the weight W that each cell of the uv plane holds.
+    r"""Weights between natural and uniform, from the total weight W in each cell of the uv plane.
 
     .. math:: T = \frac{1}{1 + W f^2},\quad f^2 = \frac{(5 \cdot 10^{-R})^2}{\sum W^2 / \sum w}
 
     Parameters
     ----------
     robustness
-        R, from -2 (all but uniform) to 2 (all but natural).
+        R, from -2 (nearly uniform) to 2 (nearly natural).
     field
         Width of the field of view [rad]: cells of the uv plane are 1/field wide, as in an imager.
 
@@ -190,7 +190,7 @@ class Briggs(Weighting):
 
 @dataclass(frozen=True)
 class Uniform(Weighting):
-    """The same weight for every cell of the uv plane that holds any; cells are those of :class:`Briggs`."""
+    """The same total weight for every occupied cell of the uv plane; the cells are those of :class:`Briggs`."""
 
     field: float
 
@@ -272,8 +272,8 @@ def _density(observation: Observation, field: float) -> _Density:
     cells = (2 * half + 1) * (half + 1)
     if cells > MOST_CELLS:
         raise InputError(
-            f"--weight-field-arcmin {math.degrees(field) * 60:g}: a grid of {cells:.2g} cells for baselines of"
-            f" {longest:.3g} wavelengths; a smaller field is needed"
+            f"--weight-field-arcmin {math.degrees(field) * 60:g}: needs a grid of {cells:.2g} cells for baselines of"
+            f" {longest:.3g} wavelengths, which is too large; a smaller field is needed"
         )
     empty = _Density(field, half, np.zeros(cells))
     density: _Density
@@ -283,18 +283,18 @@ def _density(observation: Observation, field: float) -> _Density:
 
 @dataclass(frozen=True)
 class RoundPsf(Weighting):
-    r"""Weights whose beam has no quadrupole at any distance from its centre.
+    r"""Weights whose PSF has no quadrupole at any distance from its centre.
 
-    A beam is as round as its weights: its quadrupole under any round weight is a sum over the lengths of baselines of
-    the quadrupole of the weights at this length. On each ring of the uv plane the factors are those closest to 1 that
-    leave no quadrupole:
+    The quadrupole of a PSF under any round window is a sum, over the lengths of the baselines, of the quadrupole of the
+    weights at that length. On each ring of the uv plane the factors are the ones closest to 1 that remove the
+    quadrupole:
 
     .. math::
         T = \max(0, 1 - \lambda_1 \cos 2\phi - \lambda_2 \sin 2\phi),\quad
         \sum w T e^{2 i \phi} = 0
 
-    the minimum of :math:`\sum w (T - 1)^2` over T >= 0. A ring whose baselines all point into one half of the
-    directions keeps no weight.
+    the minimum of :math:`\sum w (T - 1)^2` over T >= 0. A ring whose baselines all lie in one half of the position
+    angles keeps no weight.
     """
 
     def factors_for(self, observation: WeightedObservation) -> Factors:
@@ -314,7 +314,7 @@ class RoundPsf(Weighting):
 MOST_STEPS = 100
 _ROUND = 1e-10
 _NOTHING = 1e-6
-"""Fraction of a ring's weight that is taken to be none."""
+"""Fraction of a ring's weight that counts as zero."""
 
 
 def _multipliers(cells: BaselineMap) -> Float[Array, "3 ring"]:

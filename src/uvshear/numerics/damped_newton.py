@@ -1,4 +1,4 @@
-r"""Climbing to a maximum by Gauss-Newton steps that are damped until they gain (Levenberg-Marquardt).
+r"""Maximisation by Gauss-Newton steps that are damped until they gain (Levenberg-Marquardt).
 
 With g the gradient of the function and F an approximation to minus its second derivatives, a step solves
 
@@ -35,21 +35,21 @@ class Ascent(ABC, Generic[Point, Step]):
 
 @dataclass(frozen=True)
 class Schedule:
-    """When steps are long enough, short enough, or too many.
+    """Criteria for the damping of the steps and for the end of a climb.
 
     Parameters
     ----------
     tolerance
-        Gain that counts as none.
+        Gain below which the climb has converged.
     most_steps
-        Largest number of steps, those that gain nothing included.
+        Largest number of steps, including those that gain nothing.
     first
         Damping of the first step.
     least, most
         Limits of the damping; beyond the largest the climb is given up.
     short
-        Damping above which a trial that changes the function by less than the tolerance was at the top, although it
-        did not gain: such a step promises more than it can keep.
+        Damping above which the maximum counts as reached when a trial changes the function by less than the tolerance,
+        even if it does not gain: such a step cannot achieve the gain that it predicts.
     """
 
     tolerance: float

@@ -6,7 +6,7 @@ from scipy import fft
 
 
 def fast_size(least: float, *, multiple: int = 2, real: bool = True) -> int:
-    """Smallest multiple of ``multiple``, at least ``least``, whose only prime factors are small ones.
+    """Smallest multiple of ``multiple``, at least ``least``, that has only small prime factors.
 
     Parameters
     ----------

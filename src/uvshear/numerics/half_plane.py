@@ -10,7 +10,7 @@ from uvshear.typing import Array, Float, Int
 
 @dataclass(frozen=True)
 class HalfPlane:
-    """Cells of which every pair +-k of the uv plane has exactly one.
+    """Cells of half of the uv plane: exactly one of every pair +-k.
 
     Parameters
     ----------

@@ -9,7 +9,7 @@ import numpy as np
 from uvshear.typing import Array, Float
 
 FLOOR = 1e-6
-"""Smallest eigenvalue that is believed of a matrix of unit diagonal."""
+"""Smallest credible eigenvalue of a matrix of unit diagonal."""
 
 
 def smallest_eigenvalue(matrix: Float[Array, "n n"]) -> float:

@@ -147,7 +147,7 @@ class Measurement:
         meter.expect(field.summary.samples)
         is_modelled = self.record.get("models_attenuation", True)
         limits = self.record.get("uv_range")
-        return residual_image(
+        images = residual_image(
             field.observation,
             self.sky.galaxies(centre),
             field.model.profile,
@@ -160,6 +160,8 @@ class Measurement:
             # Every sample is predicted once and imaged twice.
             step=lambda samples: meter.add(samples / 3),
         )
+        meter.finish()
+        return images
 
     def _field(
         self,

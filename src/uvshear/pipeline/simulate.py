@@ -61,7 +61,9 @@ def simulate(
     north = local_north(plan.track.phase_centre, galaxies.l, galaxies.m)
     for sky_shear in (sources.shear, shear):
         if sky_shear is not None and np.any(sky_shear):
-            galaxies = lens(galaxies, to_field_frame(sky_shear + np.zeros(len(galaxies)), north))
+            galaxies = lens(
+                galaxies, to_field_frame(sky_shear + np.zeros(len(galaxies), complex), north)
+            )
     coverage = synthesise(plan.layout, plan.track)
     noise = noise or GalaxyNoise()
     if isinstance(noise, GalaxyNoise):

@@ -1,7 +1,7 @@
 r"""Galaxies that overlap, fitted together.
 
-The common likelihood of two galaxies that are closer to one another than their own size has a long, bent valley. Fits
-of one galaxy after the other creep along it, and a Gauss-Newton step that nobody checks leaves it. Here every step is
+The joint likelihood of two galaxies that are closer to one another than their own size has a long, curved ridge. Fits
+of one galaxy after the other move along it slowly, and an unchecked Gauss-Newton step leaves it. Here every step is
 checked against the likelihood itself. With r_i the residual facet of source i (all models subtracted, as they are at
 the start), P the beam on cells fine enough for the group, and d the change of the group's visibilities since the start,
 
@@ -35,7 +35,8 @@ class Member:
     Parameters
     ----------
     residual
-        Facet from which all models are subtracted, that of the source too; its centre is that of the source's prior.
+        Facet from which all models are subtracted, including that of the source; its centre is that of the source's
+        prior.
     prior
         Prior of the source's shape, with the terms of a sky model.
     profile
@@ -74,7 +75,7 @@ def fit_group(
 
 @dataclass(frozen=True)
 class _Trial:
-    """Galaxies of the group; their normal equations are worked out when a step is asked for."""
+    """Galaxies of the group; their normal equations are computed when a step is requested."""
 
     group: "_Group"
     fits: tuple[GalaxyFit, ...]

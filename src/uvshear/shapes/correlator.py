@@ -1,4 +1,4 @@
-"""Correlation of a facet with templates: the sums over cells from which every likelihood is made.
+"""Correlation of a facet with templates: the sums over cells of which every likelihood consists.
 
 Positions are in units of the correlator's ``length``, fluxes in units of its ``flux_unit``.
 """
@@ -22,14 +22,14 @@ BLOCK = kernels.BLOCK
 """Number of cells in a block of the matrix product."""
 
 CHUNK = 8 * BLOCK
-"""Number of cells on which the templates of a batch are made at a time; so many stay in the second-level cache."""
+"""Number of cells on which the templates of a batch are computed at a time; this many fit into the level-2 cache."""
 
 TEMPLATES = 48
 """Number of templates in a batch."""
 
 
 class Correlator:
-    """One facet in the units of its fit, with work space of its own: two threads may not share a correlator.
+    """One facet in the units of its fit, with its own work space, so that two threads must not share a correlator.
 
     uv is divided by its largest value, and the weighted data by the square root of the total power. The numbers are
     then of order one and suit float32, the default ``dtype``, which is twice as fast as float64.
@@ -57,7 +57,7 @@ class Correlator:
         self.centre = np.zeros(2)
 
     def move_to(self, centre: Float[Array, " 2"]) -> None:
-        """Put the origin of positions at ``centre``, counted from the centre of the facet in units of ``length``."""
+        """Put the origin of positions at ``centre``, relative to the centre of the facet in units of ``length``."""
         real, imaginary = np.empty_like(self._q), np.empty_like(self._q)
         self._displace(self._x, self._y, centre[0], centre[1], *self._origin, real, imaginary)
         self._centred = (real, imaginary)
@@ -79,7 +79,7 @@ class Correlator:
         return self.profile.envelope(self._q)
 
     def displaced_to(self, nodes: Float[Array, "node 2"]) -> Float[Array, "node cell"]:
-        """Real part of the data with each node, counted from the present centre, moved to the origin."""
+        """Real part of the data with each node, given relative to the present centre, moved to the origin."""
         real = np.empty((len(nodes), self._q.size), self._q.dtype)
         imaginary = np.empty_like(self._q)
         for node, row in zip(nodes, real, strict=True):

@@ -1,14 +1,14 @@
-r"""Linear functionals of a source that is much smaller than its facet: exact, and of least noise.
+r"""Linear functionals of a source that is much smaller than its facet: exact, and with the least noise.
 
 The visibility function V of a source is not measured everywhere: between the tracks of a few baselines the power of the
-beam is next to nothing, and nothing can be divided by it. But a galaxy is small, so that V is smooth. With x the pixels
-of a disc that holds the galaxy, B the dirty beam between them, and t any linear functional of V, given by its values
-t(x) for point sources at x, the weights on the data
+beam is nearly zero, so that the data cannot be divided by it. But a galaxy is small, so that V is smooth. With x the
+pixels of a disc that holds the galaxy, B the dirty beam between them, and t any linear functional of V, given by its
+values t(x) for point sources at x, the weights on the data
 
 .. math:: w_k = \sum_x b_x e^{2 \pi i k x},\quad \sum_{x'} B_{xx'} b_{x'} = t_x
 
-return that functional for every brightness within the disc, and no other weights that do so have less noise. The even
-part of the brightness is in the real part of the data, the odd part in the imaginary part.
+give that functional for every brightness distribution within the disc, and no other weights that do so have less noise.
+The even part of the brightness is in the real part of the data, the odd part in the imaginary part.
 """
 
 import math
@@ -97,7 +97,7 @@ class EvenPart:
         return cell_weights @ self._wave.T
 
     def image(self) -> Float[Array, "pixel cell"]:
-        """Matrix that leads from the data to the brightness of least noise on the disc that has these data."""
+        """Matrix that takes the data to the brightness of least noise on the disc that reproduces them."""
         right = self._wave * (self._sign / self._unit)
         return cho_solve(self._factor, right)
 

@@ -1,4 +1,4 @@
-r"""All templates of a family on a few of the cells, for likelihoods over thousands of shapes.
+r"""Templates of a family represented by a few of the cells, for likelihoods over thousands of shapes.
 
 The templates T of all ellipticities and sizes about one centre are nearly of low rank: their values on some cells p
 determine those on all others, T(k) = sum_p T(k_p) X_pk. This is an interpolative decomposition, found by a pivoted QR
@@ -30,7 +30,7 @@ from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Complex, Float, Int
 
 TOLERANCE = 3e-5
-"""Error of a template over the norm of a typical one, both weighted by the noise of the facet."""
+"""Error of a template over the norm of a typical template, both weighted by the noise of the facet."""
 
 LEAST_POWER = 1e-4
 """Smallest weight of a cell in that norm, over the mean: other facets of the same cells may have data there."""
@@ -39,7 +39,7 @@ _TEMPLATES, _COMBINATIONS = 1024, 400
 """Templates drawn from the family, and random combinations of these in the pivoted QR."""
 
 _BATCH = 256
-"""Number of templates evaluated at a time; so many stay in the second-level cache."""
+"""Number of templates evaluated at a time; this many fit into the level-2 cache."""
 
 _SIZE_STEP = 0.25
 """Spacing of the sizes ln(alpha) for which decompositions are made: sources of similar sizes share one."""
@@ -94,7 +94,7 @@ class TemplateDecomposition:
         Parameters
         ----------
         facet
-            Facet whose cells and power count; its data do not.
+            Facet that gives the cells and their power; its data are not used.
         profile
             Brightness profile of the templates.
         log_sizes
@@ -155,7 +155,7 @@ def _envelopes(
 
 
 class DecompositionCache:
-    """Decompositions for facets of one profile; each is made when it is first needed, and kept."""
+    """Decompositions for facets of one profile; each is computed when it is first needed, and then kept."""
 
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
@@ -172,7 +172,7 @@ class DecompositionCache:
         facet
             Facet of the source.
         cells
-            Anything that is equal for facets with the same cells.
+            Hashable key that is equal for facets with the same cells.
         prior
             Prior of the source's shape.
         """
@@ -188,10 +188,10 @@ class DecompositionCache:
             return self._known[key]
 
     def __getstate__(self) -> dict[str, object]:
-        """Leave out the lock, which does not travel between processes."""
+        """Leave out the lock, which cannot be sent to another process."""
         return {"_profile": self._profile, "_known": self._known}
 
     def __setstate__(self, state: dict[str, object]) -> None:
-        """Take a lock of its own."""
+        """Create a new lock."""
         self.__dict__.update(state)
         self._lock = Lock()

@@ -1,4 +1,4 @@
-"""Numba kernels of the fits: each makes one pass over the cells of a facet, in the dtype of the cells.
+"""Numba kernels of the fits; each of them makes one pass over the cells of a facet, in the dtype of the cells.
 
 Sums run in that dtype over blocks of 256 cells, and in float64 over the blocks.
 """
@@ -107,7 +107,7 @@ def normal_sums(  # type: ignore[no-untyped-def]
 
 @compiled
 def displace(x, y, shift_x, shift_y, real, imaginary, new_real, new_imaginary):  # type: ignore[no-untyped-def]
-    """Multiply by exp(-i (x shift_x + y shift_y)), which moves what stood at the shift to the centre."""
+    """Multiply by exp(-i (x shift_x + y shift_y)), which moves a source at the shift to the centre."""
     a, b = shift_x / (2 * math.pi), shift_y / (2 * math.pi)
     for i in range(x.size):
         sine, cosine = sine_cosine_of_turns(x[i] * a + y[i] * b)

@@ -1,4 +1,4 @@
-"""Coarse lattices of positions and shapes, on which a fit looks for places to start from."""
+"""Coarse lattices of positions and shapes, on which a fit looks for starting points."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The likelihood of a galaxy's shape over all shapes of a population, which a Bayesian shear needs."""
+"""The likelihood of a galaxy's shape over all shapes of a population, which Bayesian estimates of the shear need."""
 
 import math
 from collections.abc import Callable
@@ -27,7 +27,7 @@ DECOMPOSITION_SNR = 60.0
 
 @dataclass(frozen=True)
 class _WidenedPopulation(EllipticityPrior):
-    """A population's density, flattened near its end and continued beyond, where a shear may move galaxies."""
+    """A population's density, flattened near its maximum and continued beyond, where a shear may move galaxies."""
 
     population: EllipticityPrior
 
@@ -66,7 +66,7 @@ def sample_likelihood(
     population: EllipticityPrior,
     decomposition: Callable[[], TemplateDecomposition] | None = None,
 ) -> LikelihoodSamples | None:
-    """Sample the likelihood of all shapes of a population that the data allow; None where there is no galaxy.
+    """Sample the likelihood of all shapes of a population that the data allow; None where no galaxy fits.
 
     Parameters
     ----------
@@ -77,10 +77,10 @@ def sample_likelihood(
     profile
         Brightness profile.
     population
-        Distribution of ellipticities, which decides which shapes are looked at.
+        Distribution of ellipticities, which determines the shapes that are sampled.
     decomposition
-        Makes the decomposition of the templates for the facet's cells. With it, galaxies below a signal-to-noise ratio
-        of ``DECOMPOSITION_SNR`` take half the time.
+        Function that makes the decomposition of the templates for the facet's cells. With it, galaxies below a
+        signal-to-noise ratio of ``DECOMPOSITION_SNR`` take half the time.
     """
     expected = replace(
         prior,

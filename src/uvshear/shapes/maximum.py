@@ -1,4 +1,4 @@
-"""The maximum of the likelihood of one galaxy: a robust start, and damped Gauss-Newton steps from there."""
+"""The maximum of the likelihood of one galaxy: a robust starting point, and damped Gauss-Newton steps from there."""
 
 import math
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _SCHEDULE = Schedule(tolerance=1e-3, most_steps=80, first=1e-3, least=1e-3, most
 
 @dataclass(frozen=True)
 class BestFit:
-    """Most likely parameters in the correlator's units; those of a galaxy whose size has a prior.
+    """Most likely parameters of a galaxy, with a prior on its size, in the correlator's units.
 
     Parameters
     ----------
@@ -58,10 +58,10 @@ class BestFit:
 def maximise_likelihood(
     correlator: Correlator, prior: ShapePrior, start: GalaxyFit | None = None
 ) -> BestFit | None:
-    """Find the best galaxy, and leave the correlator centred on it; None where no positive flux fits.
+    """Find the most likely galaxy, and leave the correlator centred on it; None where no positive flux fits.
 
-    The cross-correlation has many peaks. Without a ``start``, its highest peak within the whole prior of the position
-    is taken before any step, and there the best of a coarse lattice of shapes.
+    The cross-correlation has many peaks. Without a ``start``, the climb begins at its highest peak within the prior on
+    the position, with the best of a coarse lattice of shapes.
     """
     if start is None:
         correlator.move_to(_highest_peak(correlator, prior))
@@ -76,7 +76,7 @@ def maximise_likelihood(
 
 
 def search_radius(correlator: Correlator, prior: ShapePrior) -> float:
-    """Radius of the prior of the position in the correlator's units."""
+    """Radius of the prior on the position in the correlator's units."""
     if prior.position_radius is not None:
         return prior.position_radius / correlator.length
     return peak_width(correlator, prior)
@@ -145,7 +145,7 @@ def _climb(
 
 @dataclass(frozen=True)
 class _Evaluated:
-    """Log posterior at the best flux, and its derivatives, of a shape at a centre."""
+    """Log posterior of a shape at a position, at the best flux, and its derivatives."""
 
     centre: Float[Array, " 2"]
     ellipticity: complex
@@ -196,7 +196,7 @@ class _Posterior(Ascent[_Evaluated, tuple[Array, Array]]):
 def _within_disc(
     point: _Evaluated, largest: float
 ) -> tuple[Float[Array, "4 4"], Float[Array, " 4"]]:
-    """Fisher matrix and gradient; at the edge of the disc of ellipticities, if drawn outwards, those along the edge."""
+    """Fisher matrix and gradient; those along the edge where the gradient points out of the disc of ellipticities."""
     e = point.ellipticity
     if abs(e) < largest * (1 - 1e-9):
         return point.information, point.gradient

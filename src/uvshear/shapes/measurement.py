@@ -20,14 +20,14 @@ class FitFlag(Enum):
     NO_DATA = "no visibility within the uv range carries weight"
     NO_PEAK = "the data do not correlate with a galaxy at this position: no positive flux fits"
     UNDETERMINED = "there are too few baselines to determine a position"
-    OFF_POSITION = "the best position is outside the prior of the position"
+    OFF_POSITION = "the best position is outside the prior on the position"
     NOT_CONVERGED = "the maximum of the likelihood, or the extent of the posterior, was not found"
-    DUPLICATE = "a brighter source stands at the same position; this one was left out"
+    DUPLICATE = "a brighter source is at the same position; this one was left out"
     CONTAMINATED = (
         "the residual around the source is more than noise: the catalogue lacks a neighbour,"
-        " or the profile is another one"
+        " or the profile is wrong"
     )
-    UNRELIABLE = "the posterior is narrower than data and prior together allow"
+    UNRELIABLE = "the posterior is narrower than the data and the prior together allow"
 
     @property
     def word(self) -> str:
@@ -61,9 +61,10 @@ class GalaxyFit:
 
     @property
     def half_width(self) -> float:
-        """Distance along the long axis at which the brightness is lost in the noise [rad].
+        """Distance along the long axis at which the brightness disappears in the noise [rad].
 
-        The long axis has the scale length alpha/(1-|e|); 1 + ln(snr) of these hold all but a part 1/snr of the flux.
+        The long axis has the scale length alpha/(1-|e|); 1 + ln(snr) of these hold all but a fraction 1/snr of the
+        flux.
         """
         return (1 + math.log(max(self.snr, 1.0))) * self.scale_length / (1 - abs(self.ellipticity))
 
@@ -106,7 +107,7 @@ class ShapeMeasurement:
 
     @classmethod
     def failed(cls, flag: FitFlag) -> Self:
-        """Measurement of a source of which nothing was measured, with the reason."""
+        """Measurement of a source whose fit failed, with the reason."""
         nan = float("nan")
         pair = np.full(2, nan)
         return cls(pair, np.full((2, 2), nan), nan, nan, nan, nan, pair, pair, nan, None, flag)

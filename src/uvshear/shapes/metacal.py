@@ -1,8 +1,8 @@
 r"""Metacalibration in the uv plane: a galaxy's data as they would be behind a little more shear.
 
 The visibility function V of the galaxy is found from the data (``shapes.deconvolution``), sheared without change of
-area, V(k) -> V((1 + G) k), and seen through a round beam of weight exp(-k^2/2 s^2). The result is a facet to which any
-estimator can be applied, and the estimator's response to a shear is a difference between its values for such facets
+area, V(k) -> V((1 + G) k), and multiplied by the weight exp(-k^2/2 s^2) of a round beam. The result is a facet to which
+any estimator can be applied, and the estimator's response to a shear is a difference between its values for such facets
 (Sheldon & Huff 2017, ApJ 841, 24; Huff & Mandelbaum 2017). Shearing the data also shears their noise, whose direction
 then looks like that of a galaxy. Noise of the same kind is therefore added, sheared in the opposite direction, so that
 to first order the sum has no direction (their sect. 2.3).
@@ -30,14 +30,14 @@ STEP = 0.02
 
 @dataclass(frozen=True)
 class ShearedFacets:
-    """One galaxy through a round beam, without a shear and behind shears of ``STEP``.
+    """Facets of one galaxy behind a round beam, without a shear and with shears of ``STEP``.
 
     Parameters
     ----------
     unsheared
         Facet without a shear.
     sheared
-        Facets behind a shear: first g1, then g2, each with the positive and the negative sign.
+        Facets with a shear: first g1, then g2, each with the positive and the negative sign.
     """
 
     unsheared: Facet

@@ -1,4 +1,4 @@
-r"""MeasuredMoments of a galaxy's visibility function: they need no profile and no prior, and are linear in the data.
+r"""Moments of a galaxy's visibility function: they need no profile and no prior, and are linear in the data.
 
 With V the visibility function of the galaxy about its own centre, rho = u^2 + v^2, a = u^2 - v^2, b = 2 u v and
 f = exp(-rho/2 s^2), all coordinates in units of s,
@@ -17,17 +17,17 @@ These are weighted sums of the data too, and linear: the sum of M over the sum o
 noise bias, whatever the profile (moments with a weight in Fourier space are those of Bernstein & Armstrong 2014 and
 Bernstein et al. 2016).
 
-**Third order.** For galaxies that lie in all directions the average V is a function of rho alone, and behind a shear g
-the average M is R g + K g |g|^2 with
+**Third order.** For galaxies with randomly oriented ellipticities the average V is a function of rho alone, and behind
+a shear g the average M is R g + K g |g|^2 with
 
 .. math:: R = \int (\rho^2/2 - 2 \rho) f V,\quad K = \int (\rho^4/16 - \rho^3 + 7\rho^2/2 - 2\rho) f V:
 
 rho becomes rho (1 + |g|^2 + 2 |g| cos 2 phi)/(1 - |g|^2), which is expanded and integrated by parts. The derivatives of
-galaxies that are lensed already are (R + 3 K |g|^2) (1 - |g|^2), since shears do not add up but compose; M over R is
-therefore g (1 + (1 - 2 K/R) |g|^2).
+galaxies that are already lensed are (R + 3 K |g|^2) (1 - |g|^2), since shears compose and do not simply add; M over the
+derivatives is therefore g (1 + (1 - 2 K/R) |g|^2).
 
-**Gaps.** V is not measured everywhere; but a galaxy is small, and of all weights on the data that sum to M for any
-brightness within a disc, those of least noise are taken (``shapes.deconvolution``).
+**Gaps.** V is not measured everywhere. But a galaxy is small, and of all weights on the data that sum to M for any
+brightness distribution within a disc, those with the least noise are used (``shapes.deconvolution``).
 
 **The centre** is that of the catalogue, never one found in the same data: noise moves such a centre by half a scale
 length at a signal-to-noise ratio of ten, and the same noise is in the moments. Gaussian errors of the catalogue's
@@ -49,15 +49,17 @@ SCALE = 15e3
 """Width s of the weight [wavelengths]. For galaxies of one arcsecond, larger and smaller widths have more noise."""
 
 REACH = 6.0
-"""Longest baseline that takes part, over s. The weight beyond it, 1e-8 and 1e-5 for the responses, is lost."""
+"""Longest baseline that is used, over s. The weight beyond it is neglected, which is 1e-8, or 1e-5 for the
+responses."""
 
 MOST_SCATTER = 0.25
-"""Largest value of 2 pi^2 sigma^2 s^2; at 1/2 the weights would not fall with the baseline any more."""
+"""Largest value of 2 pi^2 sigma^2 s^2; from 1/2 on, the weights would no longer fall with the length of the
+baseline."""
 
 
 @dataclass(frozen=True)
 class MeasuredMoments:
-    """MeasuredMoments of one galaxy [Jy].
+    """Moments of one galaxy [Jy].
 
     Parameters
     ----------
@@ -124,7 +126,7 @@ class MomentFunctional:
         self._covariance = (shown * np.abs(power)) @ shown.T
 
     def measure(self, correlation: Complex[Array, " cell"]) -> MeasuredMoments:
-        """MeasuredMoments of the data of one facet about its centre."""
+        """Return the moments of the data of one facet about its centre."""
         m1, m2, r11, r12, r22, third, size = (
             self._weights @ correlation[self._cells].real
         ).tolist()

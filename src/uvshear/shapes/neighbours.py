@@ -1,4 +1,4 @@
-"""What neighbours whose parameters are not known add to the errors of a shape: they are marginalised."""
+"""Errors of a shape with the parameters of its neighbours marginalised."""
 
 import math
 from dataclasses import replace
@@ -9,8 +9,8 @@ from uvshear.shapes.measurement import ShapeMeasurement
 from uvshear.typing import Array, Float
 
 FARTHEST = 0.5
-"""Largest shift of e on account of the neighbours, over its error. With 1 instead, the scatter of galaxies at a density
-of 2.8 per square arcminute is 0.7 per cent larger; with 0.1, slopes are 0.002 lower."""
+"""Largest shift of e by the marginalisation over neighbours, in units of its error. With 1 instead, the scatter of
+galaxies at a density of 2.8 per square arcminute is 0.7 per cent larger; with 0.1, slopes are 0.002 lower."""
 
 
 def with_neighbours_marginalised(
@@ -20,12 +20,12 @@ def with_neighbours_marginalised(
     shift: Float[Array, " 6"],
     information_fraction: float = 1.0,
 ) -> ShapeMeasurement:
-    """Widen the errors of a shape by what its neighbours add, and move e as far as the posterior follows.
+    """Widen the errors of a shape for the uncertainty of its neighbours, and shift e accordingly.
 
-    With conditional = L L^T and C = K K^T the covariance of e of the posterior, the covariance becomes
-    f K L^-1 marginal L^-T K^T, f the information fraction: the posterior keeps its own shape. The mean of a posterior
-    of covariance C moves by C conditional^-1 times the shift of the likelihood, but no farther than ``FARTHEST`` of its
-    errors: beyond that a Fisher matrix says little, and adds noise of its own.
+    With conditional = L L^T and C = K K^T the covariance of e of the posterior, the covariance becomes f K L^-1
+    marginal L^-T K^T, with f the information fraction: the posterior keeps its own shape. The mean of a posterior of
+    covariance C moves by C conditional^-1 times the shift of the likelihood, but by no more than ``FARTHEST`` of its
+    errors: beyond that the Fisher matrix is a poor approximation and adds noise of its own.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def with_neighbours_marginalised(
     shift
         Change of these parameters when the neighbours are free to follow.
     information_fraction
-        Part of the information of the facet that the posterior has counted.
+        Fraction of the information of the facet that the posterior has used.
     """
     if not np.all(np.isfinite(shape.covariance)):
         return shape

@@ -1,4 +1,4 @@
-r"""Blocks of the Fisher matrix that several sources have in common.
+r"""Normal equations of sources, and the blocks of their joint Fisher matrix.
 
 .. math:: F_{ij} = \Big\langle \frac{\partial m_i}{\partial\theta_i}, \frac{\partial m_j}{\partial\theta_j} \Big\rangle
 
@@ -32,12 +32,12 @@ class NormalEquations:
 def normal_equations(
     residual: Facet, prior: ShapePrior, profile: Profile, fit: GalaxyFit
 ) -> NormalEquations:
-    """Work out the normal equations of one source.
+    """Compute the normal equations of one source.
 
     Parameters
     ----------
     residual
-        Facet from which all sources are subtracted, this one too.
+        Facet from which all sources are subtracted, including this one.
     prior
         Prior of the source.
     profile

@@ -1,4 +1,4 @@
-"""Sums over the cells of a facet from which Gauss-Newton steps of one galaxy are made."""
+"""Sums over the cells of a facet from which the Gauss-Newton steps of one galaxy are computed."""
 
 from dataclasses import dataclass
 
@@ -19,8 +19,8 @@ _CURVATURE = np.array([[16, 17], [17, 18]])
 class NormalSums:
     """Sums for a template of unit flux at the centre of a correlator, in the correlator's units.
 
-    The responses are those of the visibilities to flux, e1, e2 and ln alpha. They are real, and those to the position
-    imaginary: the two groups decouple.
+    The responses are those of the visibilities to flux, e1, e2 and ln alpha. They are real, whereas the responses to
+    the position are imaginary, so that the two groups decouple.
 
     Parameters
     ----------

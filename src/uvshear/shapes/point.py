@@ -18,7 +18,7 @@ _TOLERANCE = 1e-4  # of the error of the position
 
 
 class Point(Profile):
-    """A point source, which all baselines see alike."""
+    """A point source, whose visibilities have the same amplitude on all baselines."""
 
     def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Return 1 everywhere."""
@@ -30,19 +30,19 @@ class Point(Profile):
 
 
 def fit_point(facet: Facet, prior: ShapePrior, start: GalaxyFit | None = None) -> GalaxyFit | None:
-    """Most likely point source; None where no positive flux fits, or only far from where the source is expected.
+    """Most likely point source; None where no positive flux fits within the prior on the position.
 
     The steps are plain Gauss-Newton steps no longer than the peak is wide, not damped ones that are checked
     (``numerics.damped_newton``): the norm of a point source is the same everywhere, so that the likelihood has no
-    valleys within the peak from which the fit starts, and a facet of one baseline, along which nothing is known,
-    takes the shortest of all steps that solve its singular equations.
+    valleys within the peak from which the fit starts, and for a facet of a single baseline, which leaves one direction
+    undetermined, the shortest of all steps that solve the singular equations is taken.
 
     Parameters
     ----------
     facet
         Facet from which all other sources are subtracted.
     prior
-        Prior of the source; only that of the position counts.
+        Prior of the source, of which only that on the position is used.
     start
         Point source to start from; without one the fit starts from the highest pixel within the prior.
     """

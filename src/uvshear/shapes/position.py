@@ -1,4 +1,4 @@
-r"""Integration of flux and position out of the likelihood.
+r"""Marginalisation of the likelihood over flux and position.
 
 With a flux uniform from zero, the likelihood of a template at position x is, with h = <d, m> and N = <m, m>,
 
@@ -6,9 +6,9 @@ With a flux uniform from zero, the likelihood of a template at position x is, wi
 
 For a bright galaxy its integral over x is a Gauss-Hermite sum about the best fit. At a signal-to-noise ratio of ten the
 noise shows in h on the scale of the beam. A Gaussian with the peak and curvature of h itself (Rivi et al. 2016) then
-meets templates whose curvature is nearly singular, and believes it; and templates of another ellipticity have their
-peak elsewhere, out of reach of nodes about the best fit. There the sum runs over a lattice of all positions at which
-any ellipticity is likely.
+fails for templates whose curvature is nearly singular, and templates of other ellipticities have their peak elsewhere,
+out of reach of nodes about the best fit. For such galaxies the sum runs over a lattice of all positions at which any
+ellipticity is likely.
 """
 
 from dataclasses import dataclass

@@ -14,11 +14,11 @@ from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
 FAINT = 20.0
-"""Signal-to-noise ratio below which positions and shapes far from the best fit are looked for too. Otherwise one
-galaxy in 300, at a ratio of 10 to 20, would lack the second peak of its posterior, and with it the truth."""
+"""Signal-to-noise ratio below which positions and shapes far from the best fit are searched as well. Otherwise the
+posterior of one galaxy in 300, at a ratio of 10 to 20, would miss its second peak, and with it the true shape."""
 
 _WIDEST, _SHARPEST = 0.3, 1e-6
-"""Largest and smallest standard deviations of e and ln alpha that decide the steps of a lattice."""
+"""Largest and smallest standard deviations of e and ln alpha that are used to choose the steps of a lattice."""
 
 _NARROWEST = 0.65
 """Standard deviation of the posterior along an axis of the lattice, in steps, below which the step is halved."""
@@ -27,7 +27,8 @@ _CORE, _FURTHEST = 2.5, 5.0
 """Radius of the points that are evaluated at once, in standard deviations, and its maximum in steps."""
 
 _ROOM, _MOST_ROOM = 64, 200
-"""Number of steps along an axis for which a lattice has room: beyond its starts, and from the best fit at most."""
+"""Number of steps along an axis for which a lattice has room: beyond its starting points, and from the best fit at
+most."""
 
 _GROWTH = 1.5
 """Factor by which the lattice is widened where the posterior is wider than expected."""
@@ -108,7 +109,7 @@ def sample_posterior(
     best
         Best fit, where the lattice starts.
     information_fraction
-        Factor of the log likelihood, the part of its information that counts.
+        Factor of the log likelihood: the fraction of the information that is used.
     """
     position, others = quadrature(correlator, correlator, prior, best)
     return sample_about(best, position, prior, others, information_fraction=information_fraction)
@@ -120,7 +121,7 @@ def quadrature(
     prior: ShapePrior,
     best: BestFit,
 ) -> tuple[PositionQuadrature, Float[Array, "start 3"] | None]:
-    """Nodes over the position, and shapes to start from besides the best fit, (e1, e2, ln alpha) in rows.
+    """Nodes over the position, and shapes besides the best fit to start from, (e1, e2, ln alpha) in rows.
 
     The nodes lie about the best fit of a bright galaxy, and over all likely positions of a faint one.
 
@@ -154,8 +155,8 @@ def sample_about(
     """Posterior on a lattice that grows from the best fit and from other shapes.
 
     The lattice follows the axes of the Fisher covariance and takes in every point within ``DEPTH`` of the highest.
-    Where the Fisher matrix misleads, it starts again: with half the step along an axis if the posterior is narrower,
-    and along the axes of the covariance found so far if the posterior is so wide that ``most_points`` do not cover it.
+    Where the Fisher matrix is a poor guide, the lattice starts again: with half the step along an axis if the posterior
+    is narrower, and along the axes of the covariance found so far if ``most_points`` do not cover a posterior so wide.
 
     Parameters
     ----------
@@ -168,7 +169,7 @@ def sample_about(
     others
         Further shapes to grow from, (e1, e2, ln alpha) in rows.
     information_fraction
-        Factor of the log likelihood, the part of its information that counts.
+        Factor of the log likelihood: the fraction of the information that is used.
     steps
         Steps of the lattice.
     """

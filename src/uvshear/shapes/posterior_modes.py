@@ -1,4 +1,4 @@
-"""Positions and shapes besides the best fit that the data allow; for a faint galaxy there are many."""
+"""Positions and shapes besides the best fit that the data of a faint galaxy allow."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -12,7 +12,7 @@ from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Complex, Float
 
 DEPTH = 8.0
-"""Difference of log density from the highest, 4 sigma, beyond which nothing counts as likely."""
+"""Difference in log density from the highest, 4 sigma, beyond which a position or shape counts as unlikely."""
 
 
 @dataclass(frozen=True)

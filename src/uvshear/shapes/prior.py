@@ -1,4 +1,4 @@
-"""Prior knowledge of one galaxy, before its fit."""
+"""Prior knowledge of one galaxy."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -14,8 +14,9 @@ from uvshear.typing import Array, Float
 class ShapePrior:
     """Prior of one source; its flux is uniform from zero.
 
-    The last four parameters are Gaussian terms of a sky model, whose sources must not fit the noise against which their
-    neighbours are measured. They act on the maximum of the likelihood alone, and are infinitely wide for a measurement.
+    The last four parameters are Gaussian terms of a sky model, whose sources must not fit the noise of the data in
+    which their neighbours are measured. They affect the most likely galaxy only, and are infinitely wide for a
+    measurement.
 
     Parameters
     ----------
@@ -27,7 +28,8 @@ class ShapePrior:
         Distance from the facet's centre within which the position is uniform [rad]; None stands for one width
         (Gaussian sigma) of the peak of the cross-correlation.
     ellipticity
-        Density over the plane of e, flat over |e| < 0.95 unless given; it acts on the posterior, not on its maximum.
+        Density over the plane of e, flat over |e| < 0.95 unless given; it affects the posterior and not the most likely
+        galaxy.
     ellipticity_sigma
         Standard deviation of each component of e for a sky model.
     position_sigma

@@ -10,25 +10,25 @@ from uvshear.shapes.correlator import Correlator
 from uvshear.shapes.lattices import hexagonal_lattice
 
 SIGNIFICANT = 5.5
-"""Standard deviations at which a residual is not noise: the probability is 4e-8 for both signs together, and a source
-has about a hundred places that are looked at."""
+"""Significance, in standard deviations, above which a residual is not noise: its probability is 4e-8 for both signs
+together, and about a hundred positions are examined for each source."""
 
 REACH = 6.0
-"""Distance from the source within which residuals are looked at, in scale lengths."""
+"""Distance from the source within which residuals are examined, in scale lengths."""
 
 SPACING = 1.2
-"""Distance between the places that are looked at, in scale lengths: a residual between them loses a tenth."""
+"""Distance between the positions that are examined, in scale lengths: a residual halfway between them loses a tenth."""
 
 
 def residual_significance(residual: Facet, profile: Profile, scale_length: float) -> float:
     """Return the largest residual around a source, of either sign, in standard deviations of the noise.
 
-    With a round galaxy m at each place x, the significance is <r, m_x> / sqrt<m, m>.
+    With a round galaxy m at each position x, the significance is <r, m_x> / sqrt<m, m>.
 
     Parameters
     ----------
     residual
-        Facet from which all sources are subtracted, this one too.
+        Facet from which all sources are subtracted, including this one.
     profile
         Brightness profile of the round galaxy.
     scale_length

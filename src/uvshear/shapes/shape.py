@@ -25,17 +25,17 @@ FLOAT32_SNR = 150.0
 e by 1e-4 of its error at a ratio of 150, by 5e-4 at 300, 3e-3 at 600, and 0.4 at 2000."""
 
 NARROW = 0.5
-"""Smallest width of a posterior that is believed, over the width that the Fisher matrix and the prior give together.
+"""Smallest credible width of a posterior, over the width that the Fisher matrix and the prior give together.
 Isolated galaxies have at least 0.77, at signal-to-noise ratios from 3 to 2000 and on either kind of facet."""
 
 SINGULAR = 1e-9
-"""Smallest eigenvalue of the Fisher matrix of the position, of unit diagonal, that counts as information."""
+"""Smallest eigenvalue of the Fisher matrix of the position, scaled to a unit diagonal, that counts as information."""
 
 
 def fit_galaxy(
     facet: Facet, prior: ShapePrior, profile: Profile, start: GalaxyFit | None = None
 ) -> GalaxyFit | None:
-    """Most likely galaxy, for a sky model; None where no galaxy was found that can be believed.
+    """Most likely galaxy, for a sky model; None where no credible galaxy was found.
 
     Parameters
     ----------
@@ -82,8 +82,8 @@ def measure_shape(
     start
         Galaxy to start from; without one the fit looks for the highest peak.
     information_fraction
-        Part of the facet's information on the shape that counts: less than one where neighbours are not known as well
-        as the subtraction supposes, or where the weights claim less noise than there is.
+        Fraction of the facet's information on the shape that is used: less than one where neighbours are not known as
+        well as their subtraction assumes, or where the weights claim less noise than there is.
     """
     if not _has_data(facet):
         return ShapeMeasurement.failed(FitFlag.NO_DATA)
@@ -128,7 +128,7 @@ def _has_data(facet: Facet) -> bool:
 
 
 def convergence_flag(best: BestFit, correlator: Correlator, prior: ShapePrior) -> FitFlag:
-    """Return OK if the maximum was found, and where the prior allows the position to be."""
+    """Return OK if the maximum was found, and lies within the prior on the position."""
     if not best.has_converged:
         return FitFlag.NOT_CONVERGED
     # The lattice of starts reaches the edge of the prior, and the climb may go a little beyond it.

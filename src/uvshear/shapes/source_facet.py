@@ -1,4 +1,4 @@
-"""One source as an estimator of the shear sees it, and the statistics that estimators keep of it."""
+"""The facet of one source as it is passed to estimators of the shear, and the statistics that they keep."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ def noise_named(name: tuple[int, ...], cells: int) -> DrawNoise:
     Parameters
     ----------
     name
-        Identity of the source: the same seed and name give the same noise, whatever else is drawn.
+        Numbers that identify the source: the same seed and name give the same noise, whatever else is drawn.
     cells
         Number of cells of the facet.
     """
@@ -49,7 +49,7 @@ class Column:
     Parameters
     ----------
     description
-        Sentence about the column for the header of a file.
+        Description of the column for the header of a file.
     unit
         Unit as astropy spells it; None for a number without a unit.
     """
@@ -69,7 +69,7 @@ class SourceFacet:
     facet
         Sufficient statistics of the source, with fluxes at 1.4 GHz [Jy].
     cells
-        Square of pixels to whose Fourier transform the facet's cells belong.
+        Square of pixels whose Fourier transform gives the facet's cells.
     prior
         Prior of the source's shape.
     flux

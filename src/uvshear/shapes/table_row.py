@@ -1,4 +1,4 @@
-"""The numbers of one measurement, as a row of the table of shapes has them."""
+"""The numbers of one measurement in the columns of the table of shapes."""
 
 import math
 from collections.abc import Mapping

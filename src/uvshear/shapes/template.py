@@ -70,7 +70,7 @@ class Template:
 
 
 def moved(fit: GalaxyFit, step: Float[Array, " 6"]) -> GalaxyFit:
-    """Galaxy after a step in its parameters, kept within the disc of ellipticities; ``snr`` is left as it was."""
+    """Galaxy after a step in its parameters, kept within the disc of ellipticities; ``snr`` is unchanged."""
     e = fit.ellipticity + complex(step[1], step[2])
     if abs(e) > LARGEST_ELLIPTICITY:
         e *= LARGEST_ELLIPTICITY / abs(e)

@@ -15,8 +15,8 @@ def lensfit_weight(
               + \sigma_\mathrm{pop}^2\right]^{-1}
 
     with s the standard deviation of the measurement; the weight is zero for s^2 >= e_max^2/2. A measurement without
-    information has the standard deviation of the prior, 0.475 for a disc of radius 0.95, and still a tenth of the
-    largest weight: such galaxies should be left out by a cut in the signal-to-noise ratio.
+    information has the standard deviation of the prior, 0.475 for a disc of radius 0.95, and still gets a tenth of the
+    largest weight. Such galaxies should be excluded by a cut in the signal-to-noise ratio.
 
     Parameters
     ----------

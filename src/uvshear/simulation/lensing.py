@@ -49,8 +49,8 @@ def shear_at_fixed_scale_length(
 
     Notes
     -----
-    No lens does this: estimators that know the response to a shear find a spurious m of -0.07 to -0.14. It serves
-    only to reproduce the paper.
+    ----- No lens does this: estimators that use the response to a shear have a spurious m of -0.07 to -0.14 on such
+    galaxies. The function serves only to reproduce the paper.
     """
     return replace(galaxies, ellipticity=_sheared(galaxies, g))
 

@@ -52,7 +52,7 @@ class CorrelationBlock:
 
 @dataclass(frozen=True)
 class SimulatedObservation:
-    """Visibilities of galaxies, simulated block by block whenever they are read; an Observation like a Measurement Set.
+    """Visibilities of galaxies, simulated block by block whenever they are read: an Observation like a Measurement Set.
 
     Parameters
     ----------
@@ -67,13 +67,13 @@ class SimulatedObservation:
     noise
         Noise of the correlations.
     seed
-        Seed of the noise: the same seed gives the same noise, whatever the executor. None adds no noise, and keeps
-        the weights of the noise that is left out.
+        Seed of the noise: the same seed gives the same noise, whatever the executor. With None no noise is added, but
+        the weights are those of the noise.
     executor
         Executor for :meth:`chunks`.
     is_averaged
-        Whether samples are averages over channels and integrations, as a correlator makes them; else they are taken
-        at one frequency and time.
+        Whether samples are averages over channels and integrations, as from a correlator; otherwise each sample is at
+        one frequency and one time.
     primary_beam
         Primary beam of the dishes; none unless given.
     """
@@ -94,15 +94,15 @@ class SimulatedObservation:
         return self.coverage.phase_centre
 
     def origin(self) -> Origin:
-        """Return the observation itself; its weights do not tell its noise if it has none."""
+        """Return the observation itself; without noise its weights do not describe the noise of its data."""
         return Origin(self, "the simulated observation", weights_tell_noise=self.seed is not None)
 
     def dish_diameters(self) -> Float[Array, " antenna"]:
-        """Return the diameter of each antenna's dish [m]; 0 where the layout does not tell it."""
+        """Return the diameter of each antenna's dish [m]; 0 where the layout does not give it."""
         return np.nan_to_num(self.coverage.layout.diameters, nan=0.0)
 
     def pointing_direction(self) -> PhaseCentre:
-        """Return the phase centre, where all dishes point."""
+        """Return the phase centre, to which all dishes point."""
         return self.phase_centre
 
     @property

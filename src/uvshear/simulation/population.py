@@ -1,4 +1,4 @@
-"""Galaxies as a survey would find them, drawn from distributions of flux, size and shape."""
+"""Galaxies of a simulated survey, drawn from distributions of flux, size and shape."""
 
 from dataclasses import dataclass, field
 
@@ -40,7 +40,7 @@ class Population:
 
     def __post_init__(self) -> None:
         if self.ring < 1:
-            raise InputError(f"population: ring is {self.ring}; it is 1 or more")
+            raise InputError(f"population: ring is {self.ring}; it must be 1 or more")
 
 
 def expected_number(sky: SkyRegion, density: float, *, ring: int = 1) -> int:
@@ -61,16 +61,18 @@ def expected_number(sky: SkyRegion, density: float, *, ring: int = 1) -> int:
 def draw_population(
     population: Population, sky: SkyRegion, *, number: int, rng: np.random.Generator
 ) -> Galaxies:
-    """Draw galaxies; the galaxies of a ring follow each other.
+    """Draw galaxies; those of a ring follow each other.
 
     Parameters
     ----------
     number
-        Number of galaxies, a multiple of the ring; :func:`expected_number` gives it for a density.
+        Number of galaxies, a multiple of the size of a ring; :func:`expected_number` gives it for a density.
     """
     rings, rest = divmod(number, population.ring)
     if rest:
-        raise InputError(f"population: {number} galaxies are no whole rings of {population.ring}")
+        raise InputError(
+            f"population: {number} galaxies do not make whole rings of {population.ring}"
+        )
     flux = population.flux.draw(rings, rng)
     scale_length = population.size.draw(flux, rng)
     modulus = population.ellipticity.draw_modulus(rings, rng)

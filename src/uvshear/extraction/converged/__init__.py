@@ -1,4 +1,4 @@
-"""All sources of a field together: major cycles over the visibilities, minor cycles over their facets in between."""
+"""All sources of a field together: major cycles over the visibilities, and minor cycles on their facets."""
 
 from uvshear.extraction.converged.extraction import ConvergedExtraction
 

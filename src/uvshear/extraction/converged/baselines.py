@@ -1,4 +1,4 @@
-"""The baselines that take part in the measurement of a field."""
+"""The baselines that are used for the measurement of a field."""
 
 import math
 from dataclasses import dataclass
@@ -10,9 +10,9 @@ from uvshear.extraction.field import Field
 from uvshear.typing import Array, Bool, Float
 
 LARGE = 0.37
-"""Shortest baseline times 2 pi times a scale length two sigma above the prior's median. The information on the
-ellipticity of a disc grows with the fourth power of the baseline there: for SKA-Mid 3000 wavelengths, below which are
-a third of the visibilities."""
+"""Shortest baseline times 2 pi times a scale length two sigma above the prior's median. There the information on the
+ellipticity of a disc grows with the fourth power of the baseline. For SKA-Mid the limit is 3000 wavelengths, and a
+third of the visibilities are on shorter baselines."""
 
 LARGE_PERCENTILE = 99.0
 """Percentile of the galaxies' sizes that counts as large."""
@@ -23,16 +23,16 @@ MOST_LEFT_OUT = 1 / 50
 
 @dataclass(frozen=True)
 class Baselines:
-    """Lengths of the baselines that take part [wavelengths].
+    """Lengths of the baselines that are used [wavelengths].
 
     Parameters
     ----------
     shortest, longest
         Range of all baselines that are used.
     finest
-        Longest baseline that the pixels could carry, for the interaction of galaxies that the array does not resolve.
+        Longest baseline that the pixels can represent, for the interaction of galaxies that the array does not resolve.
     uv_max
-        Longest baseline that tells anything of each source.
+        Longest baseline that carries information on each source.
     """
 
     shortest: float
@@ -44,10 +44,11 @@ class Baselines:
     def from_field(
         cls, field: Field, is_galaxy: Bool[Array, " source"], shortest: float | None
     ) -> "Baselines":
-        """Choose the baselines for the modelled sources of a field; their sizes tell ``shortest`` unless it is given.
+        """Choose the baselines for the modelled sources of a field; their sizes give ``shortest`` unless it is given.
 
-        The short baselines of an array with a dense core give the beam a plateau of arcminutes. It tells hardly
-        anything of shapes but couples the fluxes of all sources on it, so that they converge slowly if at all.
+        The short baselines of an array with a dense core give the beam a plateau that is arcminutes wide. It carries
+        hardly any information on shapes but couples the fluxes of all sources on it, so that they converge slowly if at
+        all.
         """
         size, members = field.size, field.modelled
         median, sigma = size.log_median[members], size.sigma[members]

@@ -1,4 +1,4 @@
-"""The dirty beam over the field: it changes by a per cent in half a degree, so a few directions are enough."""
+"""The dirty beam over the field: it changes by one per cent in half a degree, so that a few directions are enough."""
 
 import math
 from collections.abc import Callable
@@ -25,8 +25,8 @@ SIZE = 704
 """Side of a beam's image [pixels]: 197 arcsec for SKA-Mid, the reach of the interaction between major cycles."""
 
 SPACING = math.radians(0.3)
-"""Greatest distance between neighbouring directions, along l or m [rad]. Half of it stretches the beam by about
-0.1 per cent. That is an error of the noise, not of the shape: the residual does not know the beam."""
+"""Greatest distance between neighbouring directions, along l or m [rad]. At half this distance the beam is stretched by
+about 0.1 per cent. That affects the noise and not the shape, because the beam does not enter the residual."""
 
 WIDE_SIZE = 256
 WIDE_BAND = 1 / 20
@@ -39,12 +39,12 @@ NANOSECONDS = 200
 
 @dataclass(frozen=True)
 class Beams:
-    """Dirty beams [Jy^-2] in some directions, and the one that each source takes.
+    """Dirty beams [Jy^-2] in several directions, and the beam of each source.
 
     Parameters
     ----------
     images
-        Beam of each direction, on pixels of ``pixel`` [rad], the centre at (SIZE/2, SIZE/2).
+        Beam in each direction, on pixels of ``pixel`` [rad], with its centre at (SIZE/2, SIZE/2).
     nearest
         Number of the direction of each source.
     pixel
@@ -80,7 +80,7 @@ class Beams:
 
 
 def coarse_spectrum(beam: Float[Array, "l m"]) -> Float[Array, "u v"]:
-    """Transform of a beam on pixels twice as wide, as ``irfft2`` takes it."""
+    """Transform of a beam on pixels twice as wide, in the layout of ``irfft2``."""
     spectrum = fft.rfft2(fft.ifftshift(beam)).real
     half = SIZE // 2
     rows = np.concatenate([spectrum[: half // 2], spectrum[-half // 2 :]])
@@ -98,7 +98,7 @@ def power_of(beam: Float[Array, "l m"], cutout: Cutout) -> Float[Array, " cell"]
 def directions(
     lm: Float[Array, "source 2"],
 ) -> tuple[Float[Array, "node 2"], Int[Array, " source"]]:
-    """Lattice of directions within ``SPACING``, those next to no source left out; and the nearest to each source."""
+    """Lattice of directions within ``SPACING`` of each other and near a source; and the nearest to each source."""
     low, extent = lm.min(axis=0), np.ptp(lm, axis=0)
     parts = np.maximum(1, np.ceil(extent / SPACING).astype(int))
     axes = [low[x] + extent[x] * (np.arange(parts[x]) + 0.5) / parts[x] for x in (0, 1)]
@@ -110,7 +110,7 @@ def directions(
 
 @dataclass(frozen=True)
 class BeamPlan:
-    """Beams that are to be gathered.
+    """Beams that are to be accumulated.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ class BeamPlan:
     nearest
         Number of the direction of each source.
     shortest, longest
-        Range of the baselines that take part [wavelengths].
+        Range of the baselines that are used [wavelengths].
     pixel
         Width of the pixels [rad].
     """
@@ -151,7 +151,7 @@ class BeamAccumulator(BlockAccumulator[Beams]):
     gridding
         Accuracy and resources.
     on_work
-        Called after each beam with the work that it took [nanoseconds].
+        Function called after each beam with the work that it took [nanoseconds].
     """
 
     def __init__(
@@ -211,6 +211,6 @@ class BeamAccumulator(BlockAccumulator[Beams]):
 def gather_beams(
     observation: Observation, plan: BeamPlan, response: Response, gridding: Gridding
 ) -> Beams:
-    """Read the visibilities once, for the beams alone."""
+    """Read the visibilities once, for the beams only."""
     (beams,) = accumulate(observation, [BeamAccumulator(plan, response, gridding)])
     return beams

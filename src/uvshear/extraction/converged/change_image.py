@@ -1,4 +1,4 @@
-"""The image of all changes of the sky since the last major cycle, seen through the beam."""
+"""The image of all changes of the sky since the last major cycle, convolved with the beam."""
 
 from typing import Self
 
@@ -13,9 +13,10 @@ BLOCK = WINDOW
 
 
 class ChangeImage:
-    """Dirty image of what the sky has changed since the last major cycle; nothing at first.
+    """Dirty image of the change of the sky since the last major cycle; empty at first.
 
-    It grows in place, for a copy would cost more than most changes; who wants to keep it takes a :meth:`copy` first.
+    It is updated in place, because a copy would cost more than most changes; a caller that keeps it takes a
+    :meth:`copy`.
 
     Parameters
     ----------
@@ -34,7 +35,7 @@ class ChangeImage:
         self._plateau = np.zeros(len(self._places))
 
     def copy(self) -> Self:
-        """Return an image of the same changes that grows by itself."""
+        """Return an independent image of the same changes."""
         other = type(self)(self._interaction)
         first = (self._places - self._origin - WINDOW // 2) // BLOCK
         corners = [first + corner for corner in ((0, 0), (0, 1), (1, 0), (1, 1))]
@@ -54,7 +55,7 @@ class ChangeImage:
         self._plateau = self._interaction.far @ changes
 
     def subtract_from(self, facet: Complex[Array, " cell"], source: int) -> None:
-        """Subtract all changes, those of the source too, from its residual facet (not yet recentred)."""
+        """Subtract all changes, including those of the source, from its residual facet (not yet recentred)."""
         cutout = self._interaction.plan.cutouts[source]
         half = cutout.size // 2
         i, j = self._places[source] - self._origin - half // 2

@@ -1,7 +1,7 @@
-"""How much the parameters of sources have to do with one another: blocks of their common Fisher matrix.
+"""Couplings between the parameters of sources: blocks of their joint Fisher matrix.
 
-The blocks between sources only have to point downhill, so they are taken from the shorter half of the baselines and end
-at some distance; beyond it, the plateau of the beam couples fluxes alone.
+The blocks between sources only have to give an ascent direction. They are therefore computed from the shorter half of
+the baselines and end at some distance, beyond which the plateau of the beam couples fluxes alone.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,20 +21,20 @@ from uvshear.typing import Array, Float, Int
 
 @dataclass(frozen=True)
 class Couplings:
-    """Fisher matrix between sources, by its blocks.
+    """Joint Fisher matrix of the sources, by its blocks.
 
     Parameters
     ----------
     first, second
-        Pairs of sources near one another, each pair once (first < second).
+        Pairs of neighbouring sources, each pair once (first < second).
     blocks
         Block of each pair, rows of the first and columns of the second.
     own
-        Own block of each source from the same baselines: with them the matrix is positive.
+        Own block of each source from the same baselines, with which the matrix is positive.
     far
         Coupling of the fluxes of sources that are far from one another [Jy^-2].
     flux
-        Fluxes of the sources that the blocks were worked out for [Jy].
+        Fluxes of the sources for which the blocks were computed [Jy].
     """
 
     first: Int[Array, " pair"]
@@ -45,7 +45,7 @@ class Couplings:
     flux: Float[Array, " source"]
 
     def at_flux(self, flux: Float[Array, " source"]) -> Float[Array, "pair 6 6"]:
-        """Return the blocks for other fluxes [Jy]: all responses but that to the flux itself grow with them."""
+        """Return the blocks for other fluxes [Jy], to which all responses but that to the flux are proportional."""
         ratio = self._grown(flux)
         return self.blocks * (ratio[self.first][:, :, None] * ratio[self.second][:, None, :])
 
@@ -83,7 +83,7 @@ class Couplings:
 def couple(
     fits: Sequence[GalaxyFit], interaction: Interaction, profile: Profile, executor: Executor
 ) -> Couplings:
-    """Work out the couplings of all sources as they are fitted."""
+    """Compute the couplings of all sources with their present parameters."""
     place, reach = interaction.plan.centres, interaction.reach
 
     def work(task: tuple[list[int], list[int]]) -> tuple[list[int], Array]:
@@ -135,7 +135,7 @@ def _boxes(place: Float[Array, "source 2"], side: float) -> Iterator[tuple[list[
 
 
 class CouplingBlocks:
-    """Blocks of the Fisher matrix by their sources, for the present fluxes."""
+    """Blocks of the Fisher matrix for the present fluxes, found by their sources."""
 
     def __init__(self, couplings: Couplings, flux: Float[Array, " source"]) -> None:
         self._blocks, self._own = couplings.at_flux(flux), couplings.own_at_flux(flux)

@@ -1,17 +1,17 @@
 """All sources of a field together: major cycles over the visibilities, and minor cycles on facets between them.
 
-1. Major cycle (``major_cycle``): subtract all models from the visibilities and gather the rest as one facet a source,
-   the first time together with the beams (``beams``), the first two times without the longest baselines.
-2. Minor cycle (``minor_cycle``): fit the sources in turn and together until little moves any more.
-3. Repeat both, until what another major cycle would change is a small part of the noise.
-4. Sample the posterior of every galaxy (``shapes``), and add to its errors what its neighbours, free, would change
+1. Major cycle (``major_cycle``): subtract all models from the visibilities and gather the residual as a facet of each
+   source; the first cycle also gathers the beams (``beams``), and the first two leave out the longest baselines.
+2. Minor cycle (``minor_cycle``): fit the sources in turn and together until they hardly move.
+3. Repeat both until another major cycle would change the sources by a small fraction of the noise.
+4. Sample the posterior of every galaxy (``shapes``), with its neighbours marginalised
    (``neighbour_marginalisation``).
-5. If statistics are wanted (``statistics``), first let the sky converge with next to no prior on ellipticities
+5. If statistics are to be kept (``statistics``), first let the sky converge with a very wide prior on ellipticities
    (``release``).
 
-A minor cycle takes the beam of the nearest of a few directions, and the interaction of two sources ends at some
-distance and some baseline length. The errors of this are a tenth to a fifth of the change since the major cycle, and
-the next major cycle measures them: its residual is exact.
+A minor cycle uses the beam in the nearest of a few directions, and the interaction of two sources is truncated in
+distance and in baseline length. The resulting errors are a tenth to a fifth of the change since the last major cycle.
+The next major cycle corrects them, because its residual is exact.
 """
 
 import math
@@ -40,39 +40,41 @@ from uvshear.progress import Meter, Progress
 from uvshear.shapes.source_facet import Kept
 
 ROUGH = 0.3
-"""Change that counts as none in the first minor cycle: the next major cycle brings more than that."""
+"""Tolerance of the first minor cycle: the next major cycle brings a larger change."""
 
 ERROR, FINEST = 0.1, 1e-5
-"""Error of the gridder over the noise, for the brightest source; and the least in single precision."""
+"""Error of the gridder over the noise, for the brightest source, and the smallest relative error in single
+precision."""
 
 AFRESH = 1
 """Number of minor cycles in which every source looks for its peak from scratch."""
 
 WITHOUT_LONGEST = 2
-"""Number of major cycles without the longest baselines, which cost two thirds of one. With one such cycle the sky of
-2195 galaxies is the same after three (slopes within 1e-4, left undone 0.059 against 0.064)."""
+"""Number of major cycles without the longest baselines, which cost two thirds of a cycle. With one such cycle the sky
+of 2195 galaxies is the same after three cycles (slopes within 1e-4, remaining change 0.059 against 0.064)."""
 
 COUPLED = 2
-"""Number of minor cycles that work out the couplings of sources; later ones take the last and scale them."""
+"""Number of minor cycles that compute the couplings of sources; later ones scale the last couplings."""
 
 
 @dataclass(frozen=True)
 class ConvergedExtraction(Extraction):
-    """Sources are subtracted from one another until their sky no longer changes.
+    """Extraction that subtracts all sources from one another until the sky model no longer changes.
 
     Parameters
     ----------
     tolerance
-        Change that counts as none, in units of the noise (the square root of <dm, dm>), rms over the sources.
+        Change of the sources below which the sky has converged, in units of the noise (the square root of <dm, dm>),
+        rms over the sources.
     most_major_cycles
-        Number of major cycles at most.
+        Largest number of major cycles.
     scale_lengths
-        Width of a facet over the median scale length; it is wider for galaxies that were found to be larger.
+        Width of a facet over the median scale length; facets are wider for galaxies that turn out to be larger.
     epsilon
-        Relative error of the gridder, where no source is so bright that it must be smaller.
+        Relative error of the gridder, unless a bright source requires a smaller one.
     shortest
-        Baseline below which visibilities are left out [wavelengths], unless the uv range asks for more; by default
-        those are left out that tell nothing of shapes (``converged.baselines``); 0 leaves out none.
+        Baseline below which visibilities are left out [wavelengths]; the uv range may leave out more. By default
+        baselines without information on shapes are left out (``converged.baselines``); 0 leaves out none.
     """
 
     models_attenuation = True

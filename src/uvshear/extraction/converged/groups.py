@@ -9,13 +9,13 @@ OVERLAP = 3.0
 """Sources closer than this times the sum of their scale lengths are fitted together."""
 
 MOST_MEMBERS = 8
-"""Number of sources in a group at most. The closest are joined first; the others are fitted in turn."""
+"""Largest number of sources in a group. The closest are joined first; the others are fitted in turn."""
 
 
 def overlapping_groups(
     place: Float[Array, "source 2"], scale_length: Float[Array, " source"]
 ) -> list[list[int]]:
-    """Divide sources into groups that overlap; a source on its own is a group of one.
+    """Divide sources into groups that overlap; a source without overlap is a group of one.
 
     Each group is in rising order, and so are the groups by their first member.
     """

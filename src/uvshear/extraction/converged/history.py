@@ -1,4 +1,4 @@
-"""How an extraction has converged, major cycle by major cycle."""
+"""The convergence of an extraction, major cycle by major cycle."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -14,7 +14,7 @@ class History:
     Parameters
     ----------
     change_rms, change_max
-        Change of the sources in each major cycle and its minor cycle, rms and largest.
+        Change of the sources in each major cycle with its minor cycle: the rms and the largest.
     moves
         Largest moves within each minor cycle.
     """
@@ -53,7 +53,7 @@ class History:
         return min(last / before, 1.0) if before > 0 else 0.0
 
     def record(self) -> dict[str, object]:
-        """Return the numbers that are kept with the shapes."""
+        """Return the numbers that are stored with the shapes."""
         return {
             "major_cycles": len(self),
             "minor_cycles": [

@@ -1,11 +1,11 @@
-"""The interaction of sources between two major cycles: the beam, as one source sees the change of another.
+"""The interaction of sources between two major cycles: the changes of all models, convolved with the beam.
 
-The change of every model since the last major cycle, convolved with the beam, is kept as an image
-(``change_image``) on pixels twice as wide as the finest: a galaxy is hardly seen on the baselines that are lost, less
-so in the product of two. The image ends smoothly ``END`` pixels from a source that has changed. Farther away, if all
-baselines take part, the rest of the beam is the plateau of the short ones, flat over a facet: it couples fluxes. Both
-parts together are the beam, so that the common likelihood has a maximum: a beam cut off would not be positive. The
-next major cycle is exact everywhere.
+The change of every model since the last major cycle, convolved with the beam, is kept as an image (``change_image``) on
+pixels twice as wide as the finest: a galaxy has hardly any power on the baselines that are lost, and the product of two
+galaxies even less. The image ends smoothly ``END`` pixels from a source that has changed. If all baselines are used,
+the beam farther away is the plateau of the short baselines, which is flat over a facet and couples fluxes. The two
+parts together are the whole beam, so that the joint likelihood has a maximum; the transform of a truncated beam would
+not be positive. The next major cycle is exact everywhere.
 """
 
 import math
@@ -30,7 +30,7 @@ WINDOW = SIZE // 2
 """Side of the image of one change [coarse pixels]."""
 
 START, END = 0.25 * WINDOW, 0.47 * WINDOW
-"""Distances between which the image ends [coarse pixels]: 50 and 93 arcsec for SKA-Mid."""
+"""Distances between which the image is tapered to zero [coarse pixels]: 50 and 93 arcsec for SKA-Mid."""
 
 FAR = 2.7
 """Distance beyond which fluxes are not coupled, over ``END``: the plateau of SKA-Mid's beam is down to 1e-3 there."""
@@ -38,14 +38,14 @@ FAR = 2.7
 
 @dataclass(frozen=True)
 class PlacedSource:
-    """A source of the sky as the interaction sees it.
+    """Parameters of a source of the sky for the interaction.
 
     Parameters
     ----------
     flux
         Flux in the common spectrum of the sources [Jy].
     offset
-        Offset from the place of its cutout [rad].
+        Offset from the centre of its cutout [rad].
     ellipticity
         Complex ellipticity.
     scale_length
@@ -59,7 +59,7 @@ class PlacedSource:
 
 
 class Interaction:
-    """The beam through which sources see one another's changes; it does not know what has changed.
+    """The beam that propagates the change of one source to another; it does not depend on the changes.
 
     Parameters
     ----------
@@ -123,11 +123,11 @@ class Interaction:
         return self._own[node, cutout]
 
     def plane_around(self, source: int) -> BeamPlane:
-        """Cells and power of the beam of a source, all baselines of the interaction: for sources that overlap."""
+        """Cells and power of the beam of a source on all baselines of the interaction, for sources that overlap."""
         return self._plane(int(self._beams.nearest[source]), self._band.longest)
 
     def short_plane_around(self, source: int) -> BeamPlane:
-        """Cells and power of the shorter half of these baselines: more than that two galaxies apart hardly share.
+        """Cells and power of the shorter half of these baselines, which is enough for two separate galaxies.
 
         A quarter of the longest baseline is 2.1 times 1/(2 pi alpha) of the faintest; the product of two discs is
         down to a hundredth there.

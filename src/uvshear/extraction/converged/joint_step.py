@@ -1,8 +1,8 @@
 """One Gauss-Newton step of all sources at once.
 
-Fitted in turn, overlapping galaxies creep along the valley of their common likelihood, and the broad plateau of a
-natural-weight beam lets whole neighbourhoods creep together. The gradients of the step are exact, from the facets; the
-couplings (``couplings``) only have to point downhill.
+Fitted in turn, overlapping galaxies move slowly along the ridge of their joint likelihood, and the broad plateau of a
+beam with natural weights slows down whole neighbourhoods. The gradients of the step are exact, from the facets; the
+couplings (``couplings``) only have to give an ascent direction.
 """
 
 import math
@@ -21,14 +21,15 @@ from uvshear.shapes.template import PARAMETERS, difference
 from uvshear.typing import Array, Bool, Float
 
 DAMPING = 0.2
-"""Damping of the step. It keeps the matrix positive, which is cut off at some distance, and steps short where sources
-are hard to tell apart: along such valleys groups take checked steps of their own (``shapes.blend``)."""
+"""Damping of the step. It keeps the matrix positive, although this is truncated at some distance, and it keeps steps
+short where sources are hard to separate. Along such ridges groups take checked steps of their own
+(``shapes.blend``)."""
 
 SMALLEST_STEP = 0.2
-"""Change of a source over the tolerance below which it stays where it is."""
+"""Change of a source, in units of the tolerance, below which the source is not moved."""
 
 AT_THE_EDGE = 0.99
-"""Ellipticity over the largest that is allowed, from which on a source takes no part in the step."""
+"""Ellipticity, over the largest that is allowed, above which a source does not take part in the step."""
 
 _SOLVED = 1e-3
 _MOST_ITERATIONS = 200
@@ -41,8 +42,8 @@ def step_jointly(
 ) -> tuple[Float[Array, " source"], Linearisation]:
     """Let all sources but those in groups take one Gauss-Newton step together.
 
-    ``couplings`` that are given are scaled with the fluxes; else they are worked out. Returned are the change of each
-    source in units of the noise, and the equations that were solved.
+    If ``couplings`` are given, they are scaled with the fluxes; otherwise they are computed. The function returns the
+    change of each source in units of the noise, and the equations that were solved.
     """
     now = sky.now
     equations = _linearise(now, executor)
@@ -72,7 +73,7 @@ def _linearise(now: SkyState, executor: Executor) -> tuple[NormalEquations, ...]
 
 
 def _is_stuck(now: SkyState, source: int) -> bool:
-    """Whether a source stands where no step leads on: as expected, for no fit found it, or at the edge of e."""
+    """Whether no step can improve a source: it was not found and stands as expected, or it is at the limit of e."""
     fit, largest = now.fits[source], now.sources[source].prior.ellipticity.maximum
     return fit.snr <= 0 or abs(fit.ellipticity) > AT_THE_EDGE * largest
 

@@ -1,8 +1,8 @@
-"""One major cycle: all models are subtracted from the visibilities, and the rest is gathered as one facet a source.
+"""One major cycle: all models are subtracted from the visibilities, and the residual is gathered as facets.
 
-In each band of baselines the models are drawn on tiles and predicted from there; the residual is imaged on the
-same tiles. From the coarsest band on, images are refined and added to those of the next finer one; facets are cut
-out of the finest. Nothing of this outlives the block of samples that it was made from: facets add up.
+In each band of baselines the models are drawn on tiles and degridded; the residual is imaged on the same tiles. From
+the coarsest band on, images are interpolated and added to those of the next finer band, and facets are cut out of the
+finest. Images are discarded after each block of samples; only the facets are added up.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -27,15 +27,15 @@ from uvshear.predict.response import Response
 from uvshear.typing import Array, Complex, Float
 
 OnWork = Callable[[float], None]
-"""Called with the work that has been done [nanoseconds, roughly]."""
+"""Function that is called with the work that has been done [nanoseconds, roughly]."""
 
 Facets = tuple[Complex[Array, " _"], ...]
-"""Correlation of the cells of each source's facet."""
+"""Data on the cells of each source's facet."""
 
 
 @dataclass(frozen=True)
 class MajorCycle:
-    """What a major cycle leaves for the minor one.
+    """Results of a major cycle, with which the minor cycle works.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class MajorCycle:
     beams
         Dirty beams over the field.
     residuals
-        Facet of each source with all models subtracted, its own included.
+        Facet of each source with all models subtracted, including its own.
     """
 
     plan: MajorCyclePlan
@@ -108,7 +108,7 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
     gridding
         Accuracy and resources.
     on_work
-        Called after each tile with the work that it took.
+        Function called after each tile with the work that it took.
     """
 
     def __init__(
@@ -136,7 +136,7 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
         )
 
     def add_block(self, samples: Samples) -> None:
-        """Subtract, image and cut out, band by band."""
+        """Subtract the models, image the residual and cut out the facets, band by band."""
         plan, sky, gridding = self._plan, self._sky, self._gridding
         number = plan.band_of(samples.uv_distance)
         coarser: list[Float[Array, "l m"]] = []

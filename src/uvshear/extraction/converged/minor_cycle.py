@@ -1,8 +1,9 @@
-"""Between two major cycles: sources are fitted until none moves any more.
+"""One minor cycle: between two major cycles, sources are fitted until none of them moves.
 
-First in turn (``sequential_pass``), which finds the right peaks, and those that overlap are fitted together
-(``shapes.blend``). Then all take one Gauss-Newton step together (``joint_step``): the broad plateau of the beam lets
-whole neighbourhoods creep where each waits for the others. Both are repeated until little moves.
+They are first fitted in turn (``sequential_pass``), which finds the right peaks, and those that overlap are fitted
+together (``shapes.blend``). Then all take one Gauss-Newton step together (``joint_step``), because the broad plateau of
+the beam couples whole neighbourhoods, which sequential fits move only slowly. Both are repeated until the sources
+hardly move.
 """
 
 from dataclasses import replace
@@ -17,14 +18,14 @@ from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.typing import Array, Float
 
 MOST_ITERATIONS = 4
-"""Number of sequential passes, each with its joint step, at most."""
+"""Largest number of sequential passes, each of which is followed by a joint step."""
 
 CONVERGED = 0.1
-"""The iterations end when all together move by this part of what the first pass moved them: the interaction is known no
-better than that, and the next major cycle measures it."""
+"""The iterations end when the joint step is this fraction of the first pass: the interaction is no more accurate than
+that, and the next major cycle corrects it."""
 
 CONVERGED_ENOUGH = 0.5
-"""They also end when all together move by less than this part of the tolerance."""
+"""They also end when the joint step is less than this fraction of the tolerance."""
 
 Moves = tuple[tuple[float, float], ...]
 """Largest change of a source in each iteration, in the sequential pass and in the joint step [noise]."""
@@ -33,18 +34,18 @@ Moves = tuple[tuple[float, float], ...]
 def run_minor_cycle(
     state: SkyState, tolerance: float, executor: Executor, on_fit: OnFit, *, afresh: bool
 ) -> tuple[SkyState, Moves]:
-    """Fit in turn and step together, until no source changes by ``tolerance`` of the noise.
+    """Fit the sources in turn and let them step together, until the changes are below ``tolerance`` of the noise.
 
     Parameters
     ----------
     state
-        The sky to begin with; it stays as it is. Its couplings are taken, if it has any.
+        The sky to begin with, which is not changed. Its couplings are used, if it has any.
     tolerance
-        Change that counts as none, in units of the noise.
+        Change of the sources below which they have converged, in units of the noise.
     executor
-        Runs fits side by side.
+        Executor of the fits.
     on_fit
-        Called after each fit.
+        Function called after each fit.
     afresh
         Whether the first pass looks for the peak of every source from scratch.
     """

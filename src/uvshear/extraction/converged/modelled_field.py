@@ -1,4 +1,4 @@
-"""The sources of a field as they are modelled: their priors, and the unit of their fluxes."""
+"""The modelled sources of a field: their priors, and the unit of their fluxes."""
 
 import math
 from collections.abc import Sequence
@@ -18,20 +18,20 @@ from uvshear.shapes.measurement import FitFlag, GalaxyFit
 from uvshear.typing import Array, Bool, Float
 
 ASTROMETRY = 0.3
-"""Standard deviation of the catalogue's positions over the median scale length, for the sky model and unless known:
-loose for a source that can be measured, tight enough to keep neighbours from changing places."""
+"""Standard deviation of the catalogue's positions over the median scale length, for the sky model, unless it is known.
+It is loose for a source that can be measured, but tight enough to keep neighbours from exchanging their places."""
 
 PHOTOMETRY = 0.3
-"""Standard deviation of the catalogue's fluxes over themselves, for the sky model and unless known: two galaxies one
-beam apart are told from one another by little else."""
+"""Relative standard deviation of the catalogue's fluxes, for the sky model, unless it is known: two galaxies one beam
+apart can hardly be separated by anything else."""
 
 SUREST_PHOTOMETRY = 0.05
-"""The smallest standard deviation of a catalogue's flux over itself that is believed."""
+"""Smallest credible relative standard deviation of a flux in the catalogue."""
 
 
 @dataclass(frozen=True)
 class ModelledField:
-    """The modelled sources of a field; fits of them have fluxes in the unit of their facets.
+    """The modelled sources of a field; their fits have fluxes in the unit of their facets.
 
     A facet has the response that all sources share, so that its flux is that of the catalogue times the ``strength`` of
     the source's own response.
@@ -55,7 +55,7 @@ class ModelledField:
 
     @classmethod
     def from_field(cls, field: Field, model: Model, declination: float) -> Self:
-        """Apply what is believed of the sources of a field at this declination [rad]."""
+        """Apply the assumptions about the sources to a field at this declination [rad]."""
         sky = field.sky.select(field.modelled)
         response = Response.from_sky(sky, field.summary.probes, model.attenuation(declination))
         strength = response.strengths(sky)
@@ -80,7 +80,7 @@ class ModelledField:
 
     @property
     def expected(self) -> tuple[GalaxyFit, ...]:
-        """The sources as they are taken before anything is fitted."""
+        """The sources as they are assumed to be before anything is fitted."""
         return tuple(source.expected for source in self.sources)
 
     @property
@@ -101,11 +101,11 @@ class ModelledField:
         return self.strength / ratio
 
     def in_catalogue_flux(self, source: int, fit: GalaxyFit) -> GalaxyFit:
-        """Return a fit with its flux as the catalogue has it."""
+        """Return a fit with its flux in the unit of the catalogue."""
         return replace(fit, flux=fit.flux / float(self.strength[source]))
 
     def sky(self, fits: Sequence[GalaxyFit]) -> Galaxies:
-        """Return all sources of the catalogue, those that are modelled as they are fitted."""
+        """Return all sources of the catalogue, with the fitted parameters of those that are modelled."""
         found = {
             int(member): self.in_catalogue_flux(k, fit)
             for k, (member, fit) in enumerate(zip(self.field.modelled, fits, strict=True))

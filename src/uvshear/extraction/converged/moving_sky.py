@@ -1,4 +1,4 @@
-"""A sky whose sources move: the only thing of a minor cycle that changes."""
+"""A sky whose sources move: the only mutable state of a minor cycle."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,7 +17,7 @@ class MovingSky:
     Parameters
     ----------
     state
-        The sky to begin with; it stays as it is.
+        The sky to begin with, which is not changed.
     """
 
     def __init__(self, state: SkyState) -> None:
@@ -25,13 +25,13 @@ class MovingSky:
 
     @property
     def now(self) -> SkyState:
-        """The sky as it is now; it is good until the next move, for its image goes on with the sky."""
+        """The present sky; it is valid until the next move, because its image is updated in place."""
         return self._now
 
     def move(
         self, sources: list[int], fits: Sequence[GalaxyFit], executor: Executor
     ) -> Float[Array, " moved"]:
-        """Let sources be as fitted; return the change of each in units of the noise."""
+        """Replace sources by their fits, and return the change of each in units of the noise."""
         now = self._now
 
         def render(task: tuple[int, GalaxyFit]) -> tuple[float, Float[Array, "l m"]]:

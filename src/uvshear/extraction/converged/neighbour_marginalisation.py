@@ -1,4 +1,4 @@
-"""What free neighbours mean for the parameters of a source: wider errors, and a shift."""
+"""Marginalisation of the parameters of a source over those of its neighbours: wider errors, and a shift."""
 
 import math
 from collections.abc import Sequence
@@ -14,12 +14,12 @@ from uvshear.shapes.template import PARAMETERS
 from uvshear.typing import Array, Float
 
 MOST_NEIGHBOURS = 8
-"""Number of neighbours that are free at most, the nearest first."""
+"""Largest number of neighbours over which a source is marginalised, the nearest first."""
 
 
 @dataclass(frozen=True)
 class NeighbourMarginalisation:
-    """Covariance of a source's parameters by their Fisher matrix, for given neighbours and with neighbours free.
+    """Covariance of a source's parameters by their Fisher matrix, with neighbours fixed and with neighbours free.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class NeighbourMarginalisation:
 
     @property
     def information_fraction(self) -> float:
-        """Part of the information on e that is left with the neighbours free."""
+        """Fraction of the information on e that remains with the neighbours free."""
         conditional, marginal = (
             np.linalg.det(covariance[1:3, 1:3]) for covariance in (self.conditional, self.marginal)
         )
@@ -51,12 +51,12 @@ def marginalise_neighbours(
     blocks: CouplingBlocks,
     sky_prior: tuple[Float[Array, " 6"], Float[Array, " 6"]],
 ) -> NeighbourMarginalisation:
-    """Work out what free neighbours mean for a source.
+    """Marginalise the parameters of a source over those of its neighbours.
 
     ``sky_prior`` is the gradient and the precision of the prior that the source has in the sky but not in its
     measurement. Where the sky has converged the gradient of the likelihood is the opposite of that of the prior:
-    without the prior the source moves by its covariance times that, and farther if its neighbours may follow, for they
-    have taken the flux that the prior kept the source from.
+    without the prior the source moves by its covariance times that, and farther if its neighbours are free, because
+    they have absorbed the flux that the prior has kept the source from fitting.
     """
     group = [source, *others]
     count = len(group)

@@ -1,4 +1,4 @@
-"""Where the sources of a field stand, and which of them are neighbours."""
+"""Positions of the sources of a field, and which of them are neighbours."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -65,14 +65,14 @@ class Neighbourhood:
         return [[source] for source in range(len(self.place))]
 
     def around(self, sources: Int[Array, " chosen"]) -> Bool[Array, " source"]:
-        """Whether each source is one of these or near one of them."""
+        """Whether each source is one of the given sources or near one of them."""
         near = np.zeros(len(self.place), bool)
         for neighbours in self._tree.query_ball_point(self.place[sources], NEAR):
             near[neighbours] = True
         return near
 
     def nearest_to(self, source: int) -> list[int]:
-        """Return the sources near one, the nearest first."""
+        """Return the neighbours of a source, the nearest first."""
         near = self._tree.query_ball_point(self.place[source], NEAR)
         others = [other for other in near if other != source]
         if not others:
@@ -81,7 +81,7 @@ class Neighbourhood:
         return [others[k] for k in np.argsort(apart, kind="stable")]
 
     def levels(self, units: Sequence[list[int]]) -> Iterable[Units]:
-        """Sort units by level: each comes after all brighter ones near it, and those of a level are far apart."""
+        """Sort units by level: each comes after all brighter units near it, and the units of a level are far apart."""
         if not units:
             return
         centres = np.array([self.place[unit].mean(axis=0) for unit in units])

@@ -1,4 +1,4 @@
-"""What a major cycle is to bring: bands of baselines, their tiles, and a cutout for each source."""
+"""The plan of a major cycle: bands of baselines, their tiles, and a cutout for each source."""
 
 import math
 from dataclasses import dataclass
@@ -11,17 +11,17 @@ from uvshear.imaging.tiles import Footprint, Tile, plan_tiles
 from uvshear.typing import Array, Float, Int
 
 SMALL = 0.67
-"""Longest baseline of a facet times a scale length two sigma below the prior's median. For SKA-Mid, what this leaves
-out is 1e-5 of the information on the ellipticity of a galaxy of median size, 5e-4 for half of that, 3e-3 for a
-third of it."""
+"""Longest baseline of a facet times a scale length two sigma below the prior's median. For SKA-Mid, the longer
+baselines hold 1e-5 of the information on the ellipticity of a galaxy of median size, 5e-4 for a galaxy of half that
+size, and 3e-3 for a third of it."""
 
 LADDER = 1.15
-"""Ratio of neighbouring widths of facets. There are few widths, so that sources share cells and beams."""
+"""Ratio of successive widths of facets. There are few widths, so that sources share cells and beams."""
 
 
 @dataclass(frozen=True)
 class FacetRequests:
-    """The facets that are wanted, one a source.
+    """The facets that are requested, one for each source.
 
     Parameters
     ----------
@@ -46,15 +46,15 @@ class MajorCyclePlan:
     Parameters
     ----------
     shortest, longest
-        Range of the baselines that take part [wavelengths].
+        Range of the baselines that are used [wavelengths].
     bands
-        Bands from the longest baselines down.
+        Bands, beginning with the longest baselines.
     tiles
         Tiles of each band.
     cutouts
         Cutout of each source.
     place
-        Lattice point (finest pixels) in the middle of each cutout, even in both coordinates.
+        Lattice point at the centre of each cutout, even in both coordinates [finest pixels].
     offset
         Distance from there to the source [rad].
     """
@@ -79,7 +79,7 @@ class MajorCyclePlan:
 
     @property
     def has_all_baselines(self) -> bool:
-        """Whether the longest baselines take part."""
+        """Whether the longest baselines are used."""
         return self.top == 0
 
     @property
@@ -96,10 +96,10 @@ class MajorCyclePlan:
 def plan_major_cycle(
     requests: FacetRequests, shortest: float, longest: float, finest: float | None = None
 ) -> MajorCyclePlan:
-    """Plan for baselines from ``shortest`` to ``longest``, on pixels that could carry ``finest`` [wavelengths].
+    """Plan for baselines from ``shortest`` to ``longest``, on pixels that can represent ``finest`` [wavelengths].
 
-    Sources interact on pixels twice as wide as the finest: where an array does not resolve them, all of its baselines
-    belong there, and ``finest`` is up to twice ``longest``.
+    Sources interact on pixels twice as wide as the finest: where an array does not resolve them, these pixels must
+    represent all of its baselines, and ``finest`` is up to twice ``longest``.
     """
     finest = max(finest or longest, longest)
     lm = np.column_stack([requests.l, requests.m])

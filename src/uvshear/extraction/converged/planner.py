@@ -1,4 +1,4 @@
-"""How the major cycles of one measurement are planned: wide enough facets, and the rough cycles first."""
+"""Planner of the major cycles of a measurement: wide enough facets, and the rough cycles first."""
 
 import math
 from collections.abc import Sequence
@@ -16,10 +16,10 @@ from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Float
 
 POINT_STAMP = 128
-"""Width to which a point source is drawn [finest pixels]: its image rings until the taper has worn off."""
+"""Width to which a point source is drawn [finest pixels]: its image rings out to the scale of the taper."""
 
 WIDEST = 0.8
-"""Width of a facet at most, over that of the beams."""
+"""Largest width of a facet, over that of the beams."""
 
 
 @dataclass(frozen=True)
@@ -31,9 +31,9 @@ class Planner:
     modelled
         The modelled sources.
     baselines
-        Baselines that take part.
+        Baselines that are used.
     scale_lengths
-        Width of a facet over the median scale length; it is wider for galaxies that were found to be larger.
+        Width of a facet over the median scale length; facets are wider for galaxies that turn out to be larger.
     """
 
     modelled: ModelledField
@@ -65,7 +65,7 @@ class Planner:
         return BeamPlan.around(self.modelled.centres, used.shortest, used.longest, self.pixel)
 
     def subtracted(self, fits: Sequence[GalaxyFit]) -> ModelledSky:
-        """Return the sky that a major cycle subtracts, and how far from its centre each source is drawn."""
+        """Return the sky that a major cycle subtracts, with the distance to which each source is drawn."""
         modelled = self.modelled
         half = np.array([fit.half_width for fit in fits])
         half = np.maximum(half, self.scale_lengths / 2 * modelled.median_size)

@@ -1,7 +1,7 @@
-"""The sky with next to no prior on ellipticities, from which statistics for the shear are taken.
+"""The sky with a very wide prior on ellipticities, from which statistics for the shear are taken.
 
-A prior holds a faint galaxy back, towards a circle, and all its neighbours, near and far, take a little of what it
-lacks: of its shape, and so of the shear.
+A prior pulls a faint galaxy towards round, and all its neighbours, near and far, absorb a little of the shape that it
+lacks, and with it of the shear.
 """
 
 from dataclasses import replace
@@ -17,20 +17,20 @@ from uvshear.shapes.template import difference
 
 RELEASES = 3
 """Number of minor cycles of a released sky. Thirty galaxies, 17 to a square arcminute, lose 10.3 % of their moments
-with the prior, 3.0 % after one minor cycle, 1.0 % after two, 0.5 % after three with the step ahead, and 0.4 % after
+with the prior, 3.0 % after one minor cycle, 1.0 % after two, 0.5 % after three with the extrapolation, and 0.4 % after
 twelve."""
 
 FARTHEST_AHEAD = 1.0
-"""Longest step ahead of a released sky, over its last move."""
+"""Longest extrapolation of a released sky, over its last move."""
 
 
 def release(
     state: SkyState, tolerance: float, executor: Executor, on_fit: OnFit
 ) -> tuple[SkyState, tuple[float, ...]]:
-    """Let the sky converge without the prior on ellipticities; return it with the rms of its moves [noise].
+    """Let the sky converge with a very wide prior on ellipticities; return it with the rms of its moves [noise].
 
-    Each minor cycle takes the sky about half of the way: a few of them are followed by a step ahead, to where their
-    moves tell that the others would lead.
+    Each minor cycle takes the sky about half of the remaining way. A few cycles are therefore followed by an
+    extrapolation to the limit that their moves suggest.
     """
     now = replace(state, sources=tuple(source.released() for source in state.sources))
     moves = []

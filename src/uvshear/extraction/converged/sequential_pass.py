@@ -1,7 +1,7 @@
 """One pass over the sources in decreasing flux among neighbours: the Gauss-Seidel iteration.
 
-Sources that are far apart are fitted side by side, each against what the last major cycle left, less what its
-neighbours have changed since. All at once, each by itself, would diverge; in turn the common likelihood never falls.
+Sources that are far apart are fitted in parallel, each to the residual of the last major cycle less the changes of its
+neighbours since then. Updating all sources at once would diverge; in turn the joint likelihood never falls.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Bool, Float
 
 OnFit = Callable[[], None]
-"""Called after each fit."""
+"""Function called after each fit."""
 
 
 def fit_in_turn(
@@ -27,10 +27,10 @@ def fit_in_turn(
     *,
     afresh: bool,
 ) -> Float[Array, " source"]:
-    """Fit the active sources in turn, those that overlap together; return their changes in units of the noise.
+    """Fit the active sources in turn, overlapping ones together; return their changes in units of the noise.
 
-    ``afresh`` looks for the peak of every source from scratch, too, each source by itself: the steps of a group need a
-    start.
+    With ``afresh`` the peak of every source is also searched for from scratch, each source by itself, because the steps
+    of a group need a starting point.
     """
     neighbourhood = sky.now.neighbourhood
     everything = neighbourhood.singles if afresh else neighbourhood.units

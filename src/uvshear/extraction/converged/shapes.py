@@ -1,4 +1,4 @@
-"""The shapes of all galaxies of a converged sky: posteriors, with what free neighbours add to their errors."""
+"""The shapes of all galaxies of a converged sky: posteriors, with the neighbours marginalised."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""The sky between two major cycles: the sources as they are fitted, and the facets that they are fitted to."""
+"""The sky between two major cycles: the fitted sources, and the facets to which they are fitted."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ from uvshear.shapes.template import Template
 from uvshear.typing import Array, Complex, Float
 
 Fits = tuple[GalaxyFit, ...]
-"""Fit of each modelled source, fluxes in the unit of the facets."""
+"""Fit of each modelled source, with its flux in the unit of the facets."""
 
 
 @dataclass(frozen=True)
@@ -50,20 +50,20 @@ class SkyState:
     sources
         The modelled sources with their priors.
     fits
-        The sources as they are fitted now.
+        The present fits of the sources.
     subtracted
-        The sources as the major cycle has subtracted them.
+        The fits that the major cycle has subtracted.
     facets
-        Residual facets of the major cycle, with the part of each source's own model put back that the image of changes
-        does not hold.
+        Residual facets of the major cycle, to which the part of each source's own model that the image of changes does
+        not hold has been added back.
     image
-        Image of what has changed since the major cycle.
+        Image of the changes since the major cycle.
     interaction
-        The beam through which sources see one another's changes.
+        The beam that propagates the change of one source to another.
     neighbourhood
         Positions of the sources, and the groups that overlap.
     linearisation
-        The log posterior about the sky of the last joint step; None before there was one.
+        The log posterior about the sky of the last joint step; None before the first step.
     """
 
     sources: tuple[ModelledSource, ...]
@@ -116,18 +116,18 @@ class SkyState:
         return self.sources[0].profile
 
     def facet(self, source: int) -> Facet:
-        """Return the facet of a source, with everything else subtracted as it is now."""
+        """Return the facet of a source, with the present models of all other sources subtracted."""
         own = self.interaction.own_power(source)
         return self._facet(source, own)
 
     def residual(self, source: int) -> Facet:
-        """Return the facet of a source, with everything subtracted as it is now, the source too."""
+        """Return the facet of a source, with the present models of all sources subtracted, including its own."""
         cutout = self.interaction.plan.cutouts[source]
         own = self.interaction.own_power(source)
         return self._facet(source, own - self.interaction.beams.power(source, cutout))
 
     def _facet(self, source: int, own: Float[Array, " cell"]) -> Facet:
-        """Facet with all changes subtracted, and ``own`` times the source's present model put back."""
+        """Facet with all changes subtracted, and ``own`` times the source's present model added back."""
         cutout = self.interaction.plan.cutouts[source]
         power = self.interaction.beams.power(source, cutout)
         correlation = np.zeros(len(power), np.complex64)
@@ -139,14 +139,14 @@ class SkyState:
         return Facet(cutout.uv, correlation, power)
 
     def placed(self, source: int, fit: GalaxyFit) -> PlacedSource:
-        """Return a source as the interaction sees it."""
+        """Return the parameters of a source for the interaction."""
         offset = self.interaction.plan.offset[source] + fit.offset
         return PlacedSource(fit.flux, tuple(offset), fit.ellipticity, fit.scale_length)
 
     def change_since(self, before: Sequence[GalaxyFit]) -> Float[Array, " source"]:
-        """Return the change of each source since it was as ``before``, in units of the noise.
+        """Return the change of each source from its fit in ``before``, in units of the noise.
 
-        The sources of a group have that of the sum of their models.
+        The sources of a group get the change of the sum of their models.
         """
         change = np.zeros(len(self.sources))
         for unit in self.neighbourhood.units:
@@ -156,7 +156,7 @@ class SkyState:
     def change_of_unit(
         self, unit: list[int], before: Mapping[int, GalaxyFit] | Sequence[GalaxyFit]
     ) -> float:
-        """Return the change of the sum of a unit's models: sources that overlap may trade what the data cannot tell."""
+        """Return the change of the sum of a unit's models: the data may not tell how overlapping sources share it."""
         if len(unit) == 1:
             return self._change_of_source(unit[0], before[unit[0]])
         place, plane = self.neighbourhood.place, self.interaction.plane_around(unit[0])

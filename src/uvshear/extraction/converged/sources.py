@@ -16,7 +16,7 @@ from uvshear.shapes.template import Template, moved
 from uvshear.typing import Array, Complex, Float
 
 RELEASE = 100.0
-"""Factor by which a sky model's prior on e is widened where no prior may have a part."""
+"""Factor by which a sky model's prior on e is widened where the prior must not matter."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class ModelledSource(ABC):
     profile
         Brightness profile of the galaxies of the field.
     expected
-        The source as it is taken where nothing better is known; its flux is that of the catalogue.
+        The source as it is assumed to be where nothing better is known; its flux is that of the catalogue.
     """
 
     prior: ShapePrior
@@ -42,16 +42,16 @@ class ModelledSource(ABC):
         """Find the most likely source; None where none was found."""
 
     def model(self, fit: GalaxyFit, uv: Float[Array, "cell 2"]) -> Complex[Array, " cell"]:
-        """Predict the source as fitted on the cells of its facet [Jy]."""
+        """Predict the fitted source on the cells of its facet [Jy]."""
         return Template(uv, self.profile).model(fit)
 
     def released(self) -> Self:
-        """Return the source with next to no prior on its ellipticity."""
+        """Return the source with a very wide prior on its ellipticity."""
         loose = self.prior.ellipticity_sigma * RELEASE
         return replace(self, prior=replace(self.prior, ellipticity_sigma=loose))
 
     def after_step(self, fit: GalaxyFit, step: Float[Array, " 6"]) -> GalaxyFit:
-        """Return the source after a step in its parameters, shortened to what can be believed."""
+        """Return the source after a step in its parameters, shortened to a credible length."""
         if fit.flux <= 0:
             return fit
         longest = np.array([0.5 * fit.flux, 0.3, 0.3, 0.4, *[self.prior.position_sigma / 2] * 2])

@@ -19,7 +19,7 @@ def keep_statistics(
     phase_centre: PhaseCentre,
     on_source: Callable[[], None],
 ) -> Mapping[int, Kept]:
-    """Work out the statistics of every galaxy that has any, by index of the catalogue."""
+    """Compute the statistics of every galaxy that has any, by index of the catalogue."""
     strength = modelled.strength_at_1_4_ghz
 
     def statistics(k: int) -> Kept:
@@ -49,7 +49,7 @@ def _seen(
     k: int,
     strength: float,
 ) -> SourceFacet:
-    """Describe a source as estimators see it: populations know fluxes at 1.4 GHz, whatever those of the facet are."""
+    """Describe a source for estimators, with fluxes at 1.4 GHz, to which populations refer, whatever the facet's."""
     facet, source = state.facet(k), int(modelled.field.modelled[k])
     return SourceFacet(
         facet=facet.in_other_unit(strength),

@@ -1,4 +1,4 @@
-"""The work that an extraction is expected to take, for whoever watches its progress."""
+"""The work that an extraction is expected to take, for reports of its progress."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ class Workload:
     rough_cycles
         Number of major cycles without the longest baselines.
     keeps_statistics
-        Whether statistics are worked out for every galaxy.
+        Whether statistics are computed for every galaxy.
     """
 
     planner: Planner
@@ -36,9 +36,10 @@ class Workload:
     keeps_statistics: bool
 
     def foreseen(self, number: int, plan: MajorCyclePlan) -> float:
-        """Return the work that comes into sight with the major cycle of this number, counted from 0.
+        """Return the work that becomes expected with the major cycle of this number, counted from 0.
 
-        Before the first, the rough cycles and one with all baselines are taken for granted; later ones are not.
+        Before the first cycle, the rough cycles and one with all baselines are expected; each later cycle is added when
+        it begins.
         """
         if number == 0:
             return self._taken_for_granted(plan)

@@ -1,7 +1,7 @@
 """Facets of Rivi & Miller 2018: visibilities phased to the source and averaged in square uv cells.
 
-The model is sampled at the cells' centres and not averaged, which is not the same thing (their section 4.1 says
-so) and costs 2 to 5 per cent of the ellipticity without any noise. This is here to reproduce the paper.
+The model is sampled at the centres of the cells and not averaged over them. This is not the same (as their section 4.1
+says) and reduces ellipticities by 2 to 5 per cent even without noise. These facets serve to reproduce the paper.
 """
 
 import math
@@ -27,16 +27,16 @@ class CellRule(ABC):
 
     @abstractmethod
     def cells(self, target: Target) -> int:
-        """Return the number of cells to a side, an even one."""
+        """Return the number of cells along a side, which is even."""
 
 
 @dataclass(frozen=True)
 class ScaleLengths(CellRule):
-    """2 ceil(uv_max x number x alpha) cells, uv_max counted at the fluxes' reference frequency.
+    """2 ceil(uv_max x number x alpha) cells, with uv_max in wavelengths at the fluxes' reference frequency.
 
-    That is how the authors' program counts (``facet_size`` of RadioLensfit2, REF_FREQ 1.4 GHz): at 1.07 GHz a
-    facet of 38 scale lengths is 49.7 wide. Counted at the observing frequency the slopes of its users' facets,
-    0.958 and 0.947, are not met: 0.952 and 0.907.
+    This is the convention of the authors' program (``facet_size`` of RadioLensfit2, REF_FREQ 1.4 GHz): at 1.07 GHz a
+    facet of 38 scale lengths is 49.7 wide. With uv_max at the observing frequency the slopes of facets as its users
+    make them, 0.958 and 0.947, are not reproduced but would be 0.952 and 0.907.
     """
 
     number: float = 38.0
@@ -69,7 +69,7 @@ class PaperTable(CellRule):
 
 @dataclass(frozen=True)
 class CellAverageFacets(FacetMethod):
-    """Facets of visibilities that are averaged in cells out to the longest baseline."""
+    """Method that averages visibilities in cells out to the longest baseline."""
 
     averages_cells = True
 

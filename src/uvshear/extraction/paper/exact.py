@@ -5,12 +5,12 @@ For any model of brightness I around the direction s,
 .. math:: \langle d, m\rangle = \sum_x I(x)\, b(x), \qquad \langle m, m\rangle = \sum_{x,y} I(x) P(x-y) I(y),
 
 b the natural-weight dirty image of the data and P the dirty beam at s. Both sums run here in Fourier space
-over the cutout's own grid, where I is analytic. The cutout truncates; in the residual form,
+over the cutout's own grid, where I is analytic. The cutout truncates the dirty image. In the residual form,
 
     D = F[crop(dirty(data - all models))] + S FP M,
 
-the source's own model M is put back with the same discrete operator FP that gives <m, m>, so truncation
-multiplies the residual only and the true model is a fixed point whatever the facet's size.
+the source's own model M is added back with the same discrete operator FP that gives <m, m>. Truncation then affects the
+residual only, and the true model is a fixed point whatever the size of the facet.
 """
 
 import math
@@ -37,16 +37,16 @@ OVERSAMPLING = 1.2
 """Nyquist frequency of the facet's pixels over the longest baseline in it."""
 
 WIDEST = 3.8
-"""A facet grows to this many times its first width at most, 1.25^6."""
+"""Largest width of a facet over its first width, 1.25^6."""
 
 LARGEST_PHASE = 0.5
-"""Phase pi w x^2 at the facet's edge above which the gridder takes care of it, at four times the cost [rad].
-The phase centre and the slope of w (n - 1) there are exact; this second order multiplies the residual only."""
+"""Phase pi w x^2 at the facet's edge above which the gridder's w-planes are used, at four times the cost [rad]. The
+phase centre and the slope of w (n - 1) there are exact; this second order affects the residual only."""
 
 
 @dataclass(frozen=True)
 class ExactFacets(FacetMethod):
-    """Facets ``scale_lengths`` times the median scale length wide, wider for galaxies found to be larger."""
+    """Method with facets of ``scale_lengths`` median scale lengths, wider for galaxies that turn out to be larger."""
 
     scale_lengths: float = 45.0
     epsilon: float = 1e-5
@@ -67,7 +67,7 @@ class ExactFacets(FacetMethod):
         return _ExactBuilder(target, profile, grid, band, self.epsilon, power)
 
     def _width(self, target: Target) -> float:
-        """Widen by powers of 1.25 where the fitted galaxy asks for it: few sizes, so that beams are met again."""
+        """Width of a facet, wider by a power of 1.25 where the galaxy requires it, so that beams can be reused."""
         least = self.scale_lengths * target.scale_length
         wanted = min(2 * target.half_width, WIDEST * least)
         steps = math.ceil(math.log(max(wanted / least, 1.0)) / math.log(1.25) - 1e-9)

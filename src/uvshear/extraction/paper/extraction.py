@@ -1,10 +1,10 @@
 """Rivi & Miller 2018, section 2.2: one source after the other, in decreasing flux.
 
-1. The sky begins as circles of the catalogue's fluxes and of median size.
-2. The brightest source: subtract all others, cut out its facet, fit it, and let the fitted ellipse replace the
-   circle. Then the next.
-3. A bad measurement leaves its circle where it was. When all others are done it is fitted again, from nothing,
-   against the better sky; if it is bad again, it keeps its flag, and with it no weight.
+1. The first sky model consists of round galaxies with the catalogue's fluxes and median sizes.
+2. Beginning with the brightest source: subtract all others, make its facet, fit it, and replace the round galaxy by the
+   fitted one.
+3. A source with a bad measurement stays round. When all others are done it is fitted again, from scratch, with the
+   better sky; if the measurement is bad again, it keeps its flag and has no weight.
 """
 
 from dataclasses import dataclass, field
@@ -27,17 +27,18 @@ from uvshear.shapes.measurement import FitFlag
 BAD: Final = frozenset(
     {FitFlag.NO_PEAK, FitFlag.OFF_POSITION, FitFlag.NOT_CONVERGED, FitFlag.UNRELIABLE}
 )
-"""Flags that a better sky may take away; a source that the baselines do not determine is not fitted again."""
+"""Flags of sources that are fitted again with a better sky; it does not help a source that the baselines do not
+determine."""
 
 
 @dataclass(frozen=True)
 class PaperExtraction(Extraction):
-    """Sources are fitted in decreasing flux, side by side where they are far apart.
+    """Extraction that fits sources in decreasing flux, in parallel where they are far apart.
 
     Parameters
     ----------
     facet
-        Way of making facets; the paper's unless given.
+        Method of making facets; the paper's unless given.
     passes
         Number of passes over the sources; the paper makes one. Those before the last improve the sky.
     separation
@@ -59,9 +60,11 @@ class PaperExtraction(Extraction):
         setting: Setting,
         progress: Progress | None = None,
     ) -> Extracted:
-        """Measure every source, and the bad ones once more at the end."""
+        """Measure every source, and those with a bad measurement once more at the end."""
         if setting.model.primary_beam is not None:
-            raise InputError("the paper's extraction has no primary beam; ConvergedExtraction has")
+            raise InputError(
+                "the paper's extraction has no primary beam; ConvergedExtraction has one"
+            )
         meter = Meter(progress)
         run = SequentialPass(observation, field, setting, self.facet, meter.add)
         sky = PaperSky(field.sky)

@@ -1,4 +1,4 @@
-"""One major cycle: everything modelled is subtracted from the visibilities, and facets of some sources are gathered."""
+"""One major cycle: all models are subtracted from the visibilities, and the facets of some sources are gathered."""
 
 from collections.abc import Callable, Sequence
 from typing import Self
@@ -18,7 +18,7 @@ from uvshear.typing import Array, Int
 class FacetAccumulator(Accumulator[list[Facet]]):
     """Feeds the residual of every chunk to the builders of some sources of a sky.
 
-    Memory is that of one chunk and of the facets, whatever the number of rows.
+    The memory is that of one chunk and of the facets, whatever the number of rows.
 
     Parameters
     ----------
@@ -31,9 +31,9 @@ class FacetAccumulator(Accumulator[list[Facet]]):
     profile
         Brightness profile of the models.
     executor
-        Runs builders side by side.
+        Executor of the builders.
     on_chunk
-        Called with the number of rows of each chunk.
+        Function called with the number of rows of each chunk.
     """
 
     def __init__(
@@ -51,7 +51,7 @@ class FacetAccumulator(Accumulator[list[Facet]]):
         self._on_chunk = on_chunk
 
     def add(self, seen: Visibilities) -> None:
-        """Subtract all models from a chunk, and give the rest to the builders."""
+        """Subtract all models from a chunk, and pass the residual to the builders."""
         residual = subtract_sky(seen, self._sky, self._profile, self._executor)
 
         def feed(pair: tuple[FacetBuilder, Galaxies]) -> None:
@@ -69,7 +69,7 @@ class FacetAccumulator(Accumulator[list[Facet]]):
             builder.merge(other)
 
     def result(self) -> list[Facet]:
-        """Return the facets, each with the source's own model put back."""
+        """Return the facets, each with the source's own model added back."""
         return [builder.facet(model) for builder, model in self._pairs]
 
 

@@ -1,4 +1,4 @@
-"""The protocol of the ways in which visibilities around a source become a facet."""
+"""The base classes of the methods that make facets from visibilities."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -15,13 +15,13 @@ from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Float
 
 INFORMATIVE = 2.5
-"""Baselines beyond this over the median scale length are left out: |V|^2 is 7e-8 there for the median galaxy,
-4e-6 for one half as large."""
+"""Baselines longer than this over the median scale length are left out: |V|^2 is 7e-8 there for the median galaxy, and
+4e-6 for a galaxy half as large."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """A source to be cut out: its place, its size as expected, and the longest baseline there is.
+    """A source whose facet is made: its position, its expected size, and the longest baseline.
 
     Parameters
     ----------
@@ -32,9 +32,9 @@ class Target:
     uv_range
         Its maximum is finite: the longest baseline that is used.
     frequency
-        Highest frequency, at which that baseline is so long [Hz].
+        Highest frequency, at which the longest baseline has that length [Hz].
     half_width
-        Distance from its centre up to which the galaxy is known to matter [rad]; 0 before it was fitted.
+        Distance from its centre within which the galaxy exceeds the noise [rad]; 0 before it is fitted.
     """
 
     galaxy: Galaxies
@@ -45,7 +45,7 @@ class Target:
 
     @classmethod
     def from_field(cls, field: Field, source: int, fit: GalaxyFit | None = None) -> Self:
-        """Describe a source of a field; ``fit`` is what is known of it."""
+        """Describe a source of a field; ``fit`` is its latest fit, if there is one."""
         return cls(
             galaxy=field.sky.select(np.array([source])),
             scale_length=float(np.exp(field.size.log_median[source])),
@@ -56,16 +56,16 @@ class Target:
 
     @property
     def informative_uv_max(self) -> float:
-        """Longest baseline that tells anything of the source [wavelengths]."""
+        """Longest baseline that carries information on the source [wavelengths]."""
         return min(self.uv_range.maximum, INFORMATIVE / self.scale_length)
 
 
 class FacetBuilder(ABC):
-    """A facet being gathered: visibilities go in chunk by chunk, in any order, from any file."""
+    """A facet that is being gathered: visibilities are added chunk by chunk, in any order, from any file."""
 
     @abstractmethod
     def add(self, residual: Visibilities, model: Galaxies) -> None:
-        """Take in a chunk from which all models were subtracted, that of the source (``model``) too."""
+        """Add a chunk from which all models were subtracted, including that of the source (``model``)."""
 
     @abstractmethod
     def merge(self, later: Self) -> None:
@@ -73,11 +73,11 @@ class FacetBuilder(ABC):
 
     @abstractmethod
     def facet(self, model: Galaxies) -> Facet:
-        """Put the source's own ``model`` back, and return the facet."""
+        """Add the source's own ``model`` back, and return the facet."""
 
 
 class FacetMethod(ABC):
-    """A way of making facets."""
+    """A method of making facets."""
 
     averages_cells: ClassVar[bool] = False
     """Whether visibilities are averaged in cells, which makes galaxies rounder."""
@@ -89,7 +89,7 @@ class FacetMethod(ABC):
         profile: Profile,
         power: Float[Array, " cell"] | None = None,
     ) -> FacetBuilder:
-        """Begin the facet of one source; its ``power``, where known from before, is not gathered again."""
+        """Begin the facet of one source; its ``power``, if it is already known, is not gathered again."""
 
 
 def spectral_gain(galaxy: Galaxies, frequency: Float[Array, " chan"]) -> Float[Array, " chan"]:

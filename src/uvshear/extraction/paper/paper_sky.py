@@ -1,4 +1,4 @@
-"""The sky as the paper's extraction knows it between two fits."""
+"""The sky model of the paper's extraction between two fits."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,17 +16,17 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class PaperSky:
-    """All sources of a catalogue as they are known by now.
+    """All sources of a catalogue with the results of the fits so far.
 
     Parameters
     ----------
     sky
-        The sources; where none was fitted well, the circle that stood there before.
+        The sources; a source without a good fit is round, as at the start.
     fits
         Good fits, by index of the catalogue, from which later fits start.
     power
-        Power of the facets that were gathered, by index of the catalogue: 80 kB for a source of median size, which
-        every later pass would gather again.
+        Power of the facets that were gathered, by index of the catalogue: 80 kB for a source of median size. Every
+        later pass would have to gather it again.
     major_cycles
         Number of major cycles so far.
     """
@@ -47,11 +47,11 @@ class PaperSky:
     def with_fits(
         self, among: Field, sources: Sequence[int], fits: Sequence[GalaxyFit | None]
     ) -> Self:
-        """Return the sky with good fits; where there is none, what stood there stays."""
+        """Return the sky with good fits; a source without one stays as it is."""
         good = {source: fit for source, fit in zip(sources, fits, strict=True) if fit is not None}
         return replace(self, sky=with_fitted(self.sky, among, good), fits={**self.fits, **good})
 
     def without_starts(self, sources: Sequence[int]) -> Self:
-        """Return the same sky, in which these sources are looked for from scratch."""
+        """Return the same sky without starting points for these sources, which are then fitted from scratch."""
         fits = {source: fit for source, fit in self.fits.items() if source not in set(sources)}
         return replace(self, fits=fits)

@@ -21,7 +21,7 @@ from uvshear.shapes.shape import fit_galaxy, measure_shape
 from uvshear.typing import Array, Int
 
 FACETS_AT_A_TIME = 64
-"""Number of facets that are gathered in one major cycle at most."""
+"""Largest number of facets that are gathered in one major cycle."""
 
 Batch = Int[Array, "_"]
 """Sources that share a major cycle, as indices of the catalogue."""
@@ -42,7 +42,7 @@ def batches(field: Field, sources: Int[Array, " chosen"], separation: float) -> 
 
 @dataclass(frozen=True)
 class SequentialPass:
-    """Fits batches of sources one after the other, each against the sky as the fits before have left it.
+    """Fits batches of sources one after the other, each with the sky that results from the fits before it.
 
     Parameters
     ----------
@@ -51,11 +51,11 @@ class SequentialPass:
     field
         The sources.
     setting
-        What is believed of them, and the resources.
+        Assumptions about the sources, and the resources.
     facet
-        Way of making facets.
+        Method of making facets.
     on_rows
-        Called with the number of rows of each chunk that was read.
+        Function called with the number of rows of each chunk that was read.
     """
 
     observation: Observation
@@ -65,7 +65,7 @@ class SequentialPass:
     on_rows: Callable[[int], None]
 
     def improve(self, sky: PaperSky, order: Iterable[Batch]) -> PaperSky:
-        """Fit every source once; return the better sky."""
+        """Fit every source once, and return the improved sky."""
         for batch in order:
             sky, fits = self._fit_batch(sky, batch, self._fit)
             sky = sky.with_fits(self.field, batch.tolist(), fits)
@@ -74,7 +74,7 @@ class SequentialPass:
     def measure(
         self, sky: PaperSky, order: Iterable[Batch]
     ) -> tuple[PaperSky, dict[int, ShapeMeasurement]]:
-        """Fit every source once and sample the posterior of its ellipticity; return the better sky, too."""
+        """Fit every source once and sample its posterior; return the improved sky and the measurements."""
         measurements: dict[int, ShapeMeasurement] = {}
         for batch in order:
             sky, shapes = self._fit_batch(sky, batch, self._measure)
@@ -88,7 +88,7 @@ class SequentialPass:
         batch: Batch,
         fit: Callable[[int, Facet, GalaxyFit | None], Fitted],
     ) -> tuple[PaperSky, Sequence[Fitted]]:
-        """Gather the facets of a batch in one major cycle, and fit its sources side by side."""
+        """Gather the facets of a batch in one major cycle, and fit its sources in parallel."""
         sources = batch.tolist()
         facets = self._gather(sky, batch)
         tasks = zip(sources, facets, strict=True)

@@ -1,6 +1,7 @@
 """The measurement end to end, in memory: a VLA field of a few sources."""
 
-from dataclasses import dataclass, replace
+import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,84 +9,49 @@ from astropy import units
 from astropy.coordinates import SkyCoord
 from astropy.wcs import WCS
 
+from tests.pipeline.fields import (
+    FREQUENCY,
+    GOOD,
+    METHOD,
+    MODEL,
+    SIGMA,
+    catalogue_of_sky,
+    observe,
+    vla_field,
+)
 from tests.skies import galaxies, vla
-from uvshear.constants import ARCMIN, ARCSEC
-from uvshear.errors import InputError
-from uvshear.execution import in_threads
-from uvshear.extraction import MeasurementOptions, PaperExtraction
+from uvshear.constants import ARCSEC
+from uvshear.errors import DataWarning, InputError
+from uvshear.execution import Resources, Serial, Threads
+from uvshear.extraction import ConvergedExtraction, PaperExtraction
 from uvshear.extraction.paper.cell_average import CellAverageFacets
-from uvshear.galaxy import CatalogueSize, DiscEllipticityPrior, Galaxies
-from uvshear.geometry.directions import PhaseCentre, equatorial
+from uvshear.galaxy import DiscEllipticityPrior
+from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.uv_range import UvRange
-from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
-from uvshear.io.catalogue import Catalogue
 from uvshear.io.shapes import COLUMNS
-from uvshear.pipeline import estimate_shear, extract, measure
+from uvshear.pipeline.measure import measure
+from uvshear.pipeline.shear import estimate_shear
 from uvshear.predict import predict_visibilities
 from uvshear.shapes.weight import lensfit_weight
 
-FREQUENCY = np.array([1.35e9, 1.45e9])
-SIGMA = 1e-4
-OPTIONS = MeasurementOptions(size=CatalogueSize(), field_radius=np.radians(0.5))
-GOOD = [0, 2, 3, 5]
-"""Rows of the catalogue that are galaxies within the field."""
+# Sources twenty times the noise of a sample make neighbouring samples differ by more than noise.
+pytestmark = pytest.mark.filterwarnings("ignore:.*times what the weights claim")
 
 
-@dataclass(frozen=True)
-class Field:
-    truth: Galaxies
-    observation: VisibilitySet
-    catalogue: Catalogue
-
-
-def _observe(sky, uvw, centre, seed=None, pieces=2):
-    vis = predict_visibilities(sky, uvw, FREQUENCY)
-    if seed is not None:
-        noise = np.random.default_rng(seed).normal(size=(2, *vis.shape))
-        vis += SIGMA * (noise[0] + 1j * noise[1])
-    weights = np.full(vis.shape, SIGMA**-2)
-    weights[::97] = 0
-    rows = np.array_split(np.arange(len(uvw)), pieces)
-    return VisibilitySet(
-        centre, tuple(Visibilities(uvw[r], FREQUENCY, vis[r], weights[r]) for r in rows)
-    )
-
-
-def _catalogue(sky, centre, ra=None, dec=None):
-    if ra is None:
-        ra, dec = equatorial(centre, sky.l, sky.m)
-    return Catalogue(
-        identifier=np.array([f"s{k}" for k in range(len(sky))]),
-        flux=sky.flux,
-        spectral_index=sky.spectral_index,
-        ra=ra,
-        dec=dec,
-        scale_length=sky.scale_length,
-    )
-
-
-def _field(pieces=2, seed=1):
-    uvw, centre = vla("b", samples=6)
-    l = np.array([0.0, 1.5, -1.5, -1.0, 60.0, 2.5, 0.0]) * ARCMIN
-    m = np.array([0.0, 2.0, 1.0, 1.2, 0.0, -2.0, 0.0]) * ARCMIN
-    flux = np.array([1.0, 2.0, 2.0, 0.7, 1.0, 0.5, 9.0]) * 1e-3
-    alpha = np.array([2.0, 0.0, 2.5, 1.8, 2.0, 1.6, 2.0]) * ARCSEC
-    e = np.array([0.3, 0.0, -0.2 + 0.4j, -0.3j, 0.0, 0.1 + 0.2j, 0.0])
-    sky = galaxies(l, m, flux, alpha, e)
-    ra, dec = equatorial(centre, l, m)
-    ra[6], dec[6] = ra[0] + np.pi, -dec[0]  # behind the Earth
-    seen = sky.select(np.array([0, 1, 2, 3, 5]))
-    return Field(sky, _observe(seen, uvw, centre, seed, pieces), _catalogue(sky, centre, ra, dec))
+def measured(observation, catalogue, **more):
+    """Measure with the settings of these tests."""
+    settings = {"model": MODEL, "method": METHOD, "resources": Resources(Serial())}
+    return measure(observation, catalogue, **settings | more)
 
 
 @pytest.fixture(scope="module")
-def field():
-    return _field()
+def measurement(field):
+    return measured(field.observation, field.catalogue)
 
 
 @pytest.fixture(scope="module")
-def shapes(field):
-    return measure(field.observation, field.catalogue, OPTIONS)
+def shapes(measurement):
+    return measurement.shapes
 
 
 def test_every_source_has_its_row_and_its_flag(shapes):
@@ -132,7 +98,10 @@ def test_shear_is_estimated_from_the_rows_with_weight(shapes):
     shear = estimate_shear(shapes)
     assert shear.n == len(GOOD)
     weight = np.array(shapes["weight"][GOOD])
-    assert shear.g1 == pytest.approx(np.average(shapes["e1"][GOOD], weights=weight))
+    # Each ellipticity counts in the frame of its own local North, as the columns g1 and g2 are.
+    assert shear.frame == "sky"
+    assert shear.g1 == pytest.approx(np.average(shapes["g1"][GOOD], weights=weight))
+    assert shear.g2 == pytest.approx(np.average(shapes["g2"][GOOD], weights=weight))
     cut = float(np.median(shapes["snr"][GOOD]))
     assert estimate_shear(shapes, snr_min=cut).n == 2
 
@@ -142,13 +111,13 @@ def _numbers(table):
 
 
 def test_threads_change_no_bit(field, shapes):
-    other = measure(field.observation, field.catalogue, replace(OPTIONS, executor=in_threads(2)))
-    np.testing.assert_array_equal(_numbers(other), _numbers(shapes))
+    other = measured(field.observation, field.catalogue, resources=Resources(Threads(2)))
+    np.testing.assert_array_equal(_numbers(other.shapes), _numbers(shapes))
 
 
 def test_chunks_do_not_matter(shapes):
-    field = _field(pieces=7)
-    other = measure(field.observation, field.catalogue, OPTIONS)
+    field = vla_field(pieces=7)
+    other = measured(field.observation, field.catalogue).shapes
     for name in ("e1", "e2", "e_sigma"):
         # measured 1.2e-5, 5e-4 sigma: the gridder's epsilon and single precision. A lost chunk: 1 sigma
         np.testing.assert_allclose(other[name], shapes[name], rtol=0, atol=5e-5)
@@ -156,15 +125,17 @@ def test_chunks_do_not_matter(shapes):
 
 def test_the_order_of_the_catalogue_does_not_matter(field, shapes):
     order = np.array([5, 3, 1, 6, 0, 2, 4])
-    other = measure(field.observation, field.catalogue.select(order), OPTIONS)
+    other = measured(field.observation, field.catalogue.select(order)).shapes
     assert other["id"].tolist() == [f"s{k}" for k in order]
     for name in ("e1", "e2", "flux_fit"):
         np.testing.assert_allclose(other[name], shapes[name][order], rtol=1e-4, atol=5e-5)
 
 
 def test_short_baselines_cut_change_shapes_but_not_the_natural_snr(field, shapes):
-    cut = measure(field.observation, field.catalogue, replace(OPTIONS, uv_range=UvRange(6e3)))
-    row, whole = cut[GOOD], shapes[GOOD]
+    method = replace(METHOD, uv_range=UvRange(6e3))
+    cut = measured(field.observation, field.catalogue, method=method)
+    assert cut.record["uv_range"][0] == 6e3
+    row, whole = cut.shapes[GOOD], shapes[GOOD]
     assert np.all(row["e1"] != whole["e1"])
     assert np.all(row["e_sigma"] > whole["e_sigma"])
     # measured 0.4 per cent: another shape fitted
@@ -173,7 +144,7 @@ def test_short_baselines_cut_change_shapes_but_not_the_natural_snr(field, shapes
 
 def test_progress_ends_where_it_said(field):
     heard = []
-    measure(field.observation, field.catalogue, OPTIONS, progress=lambda *x: heard.append(x))
+    measured(field.observation, field.catalogue, progress=lambda *x: heard.append(x))
     done, total = np.array(heard).T
     assert np.all(np.diff(done) >= 0)
     assert np.all(done <= total)
@@ -181,8 +152,8 @@ def test_progress_ends_where_it_said(field):
 
 
 def test_the_papers_extraction_measures_the_same_field(field, shapes):
-    options = replace(OPTIONS, extraction=PaperExtraction(CellAverageFacets()))
-    other = measure(field.observation, field.catalogue, options)
+    method = replace(METHOD, extraction=PaperExtraction(CellAverageFacets()))
+    other = measured(field.observation, field.catalogue, method=method).shapes
     assert other["flag"].tolist() == shapes["flag"].tolist()
     difference = np.hypot(other["e1"] - shapes["e1"], other["e2"] - shapes["e2"])[GOOD]
     assert np.all(difference < 0.05)
@@ -190,28 +161,27 @@ def test_the_papers_extraction_measures_the_same_field(field, shapes):
 
 
 def test_a_field_of_point_sources_alone_has_no_shapes(field):
-    table = measure(field.observation, field.catalogue.select(np.array([1])), OPTIONS)
+    table = measured(field.observation, field.catalogue.select(np.array([1]))).shapes
     assert table["flag"].tolist() == ["point_source"]
     assert np.isnan(table["e1"][0])
 
 
 def test_a_uv_range_without_data_is_flagged(field):
-    options = replace(OPTIONS, uv_range=UvRange(1e3, 1.001e3))
-    table = measure(field.observation, field.catalogue.select(np.array([0])), options)
+    method = replace(METHOD, uv_range=UvRange(1e3, 1.001e3))
+    table = measured(field.observation, field.catalogue.select(np.array([0])), method=method).shapes
     assert table["flag"].tolist() == ["no_data"]
 
 
 def test_an_observation_without_weight_is_an_error(field):
     blocks = tuple(replace(b, weights=0 * b.weights) for b in field.observation.blocks)
     with pytest.raises(InputError, match="no visibility carries weight"):
-        measure(replace(field.observation, blocks=blocks), field.catalogue, OPTIONS)
+        measured(replace(field.observation, blocks=blocks), field.catalogue)
 
 
-def test_the_sky_that_was_found_leaves_noise(field):
+def test_the_sky_that_was_found_leaves_noise(field, measurement):
     """Every modelled source is in it, fitted or not: without the point source 9 sigma^2 would be left."""
-    seen, extracted = extract(field.observation, field.catalogue, OPTIONS)
-    sky = extracted.sky.select(seen.modelled)
-    assert len(extracted.sky) == len(field.catalogue)
+    assert measurement.sky.identifier.tolist() == ["s0", "s1", "s2", "s3", "s5"]
+    sky = measurement.sky.galaxies(field.observation.phase_centre)
     left = np.concatenate(
         [
             np.abs(b.stokes_i - predict_visibilities(sky, b.uvw, FREQUENCY))[b.weights > 0]
@@ -237,9 +207,9 @@ def test_shapes_at_declination_80_are_right_in_both_frames(bearing):
     )
     e = 0.4 * np.exp(2j * np.arctan2(m_tip - m, l_tip - l))
     sky = galaxies(l, m, 1e-2, 2 * ARCSEC, e)
-    catalogue = _catalogue(sky, centre, np.array([place.ra.rad]), np.array([place.dec.rad]))
-    options = replace(OPTIONS, field_radius=np.radians(1.0))
-    row = measure(_observe(sky, uvw, centre), catalogue, options)[0]
+    catalogue = catalogue_of_sky(sky, centre, np.array([place.ra.rad]), np.array([place.dec.rad]))
+    method = replace(METHOD, field_radius=np.radians(1.0))
+    row = measured(observe(sky, uvw, centre), catalogue, method=method).shapes[0]
     assert row["flag"] == "ok"
     # measured 7e-7
     assert abs(row["e1"] + 1j * row["e2"] - e) < 2e-5
@@ -257,7 +227,7 @@ def test_a_catalogue_off_by_an_arcsecond_is_corrected_by_the_offset(field):
     l, m, _ = near.directions(field.observation.phase_centre)
     first = np.arange(len(l)) == 0
     off = replace(near, ra=None, dec=None, l=l - 0.8 * ARCSEC * first, m=m + 0.5 * ARCSEC * first)
-    row = measure(field.observation, off, OPTIONS)[0]
+    row = measured(field.observation, off).shapes[0]
     assert row["flag"] == "ok"
     # its neighbours are not in this catalogue, and the noise is there: measured 0.02
     assert row["dl"] == pytest.approx(0.8, abs=0.2)
@@ -266,5 +236,64 @@ def test_a_catalogue_off_by_an_arcsecond_is_corrected_by_the_offset(field):
 
 def test_the_phase_centre_of_the_observation_is_that_of_the_directions(field):
     moved = replace(field.observation, phase_centre=PhaseCentre(1.0 + 1e-3, np.radians(40.0)))
-    table = measure(moved, field.catalogue.select(np.array([0])), OPTIONS)
+    table = measured(moved, field.catalogue.select(np.array([0]))).shapes
     assert table["l"][0] == pytest.approx(-1e-3 * np.cos(np.radians(40)), rel=1e-4)
+
+
+class StopError(Exception):
+    """The work has begun."""
+
+
+@pytest.mark.parametrize("extraction", [ConvergedExtraction(), PaperExtraction()])
+def test_warnings_about_the_data_come_before_the_work(field, monkeypatch, extraction):
+    def begin(*_args, **_more):
+        raise StopError
+
+    monkeypatch.setattr(type(extraction), "extract", begin)
+    heard = []
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        with pytest.raises(StopError):
+            measured(
+                field.observation,
+                field.catalogue,
+                method=replace(METHOD, extraction=extraction),
+                progress=lambda *x: heard.append(x),
+            )
+    assert heard == []
+    assert [warning.category for warning in told] == [DataWarning]
+    assert "times what the weights claim" in str(told[0].message)
+
+
+class Untouchable:
+    """An observation that must not be read."""
+
+    phase_centre = PhaseCentre(0.0, 0.0)
+
+    def chunks(self):
+        raise AssertionError("the observation was read")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"keep": "moment"}, "'moment' is not a known estimator; mean, moments, bayesian, metacal"),
+        ({"keep": ("moments", "spin")}, "'spin' is not a known estimator"),
+        ({"keep": "absent:Mine"}, "the estimator 'absent:Mine' cannot be imported"),
+        (
+            {"keep": "moments", "method": replace(METHOD, extraction=PaperExtraction())},
+            "PaperExtraction keeps no statistics",
+        ),
+    ],
+)
+def test_what_is_wrong_is_refused_before_the_observation_is_read(field, wrong, message):
+    with pytest.raises(InputError, match=message):
+        measured(Untouchable(), field.catalogue, **wrong)
+
+
+def test_the_mean_needs_nothing_kept(field):
+    """It may be asked for with every extraction."""
+    few = field.catalogue.select(np.array(GOOD))
+    method = replace(METHOD, extraction=PaperExtraction())
+    found = measured(field.observation, few, keep="mean", method=method)
+    assert found.statistics is None

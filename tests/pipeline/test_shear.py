@@ -1,0 +1,57 @@
+"""From a measurement to a shear."""
+
+import json
+
+import numpy as np
+import pytest
+
+from uvshear.errors import InputError
+from uvshear.estimators import Mean, Moments
+from uvshear.pipeline.shear import as_measurement, estimate_shear
+
+
+def test_a_measurement_its_table_and_its_file_have_one_shear(kept, tmp_path):
+    path = tmp_path / "shapes.fits"
+    kept.write(path)
+    expected = estimate_shear(kept)
+    for given in (kept.shapes, path, str(path)):
+        assert estimate_shear(given).numbers() == pytest.approx(expected.numbers())
+
+
+def test_an_estimator_its_class_and_its_name_have_one_shear(kept):
+    expected = estimate_shear(kept, "moments").numbers()
+    assert estimate_shear(kept, Moments()).numbers() == expected
+    assert estimate_shear(kept, Moments).numbers() == expected
+    assert estimate_shear(kept, "mean").estimator == "mean"
+
+
+def test_the_seed_of_an_estimator_is_used(kept):
+    first, second = (estimate_shear(kept, Mean(seed=seed)) for seed in (1, 2))
+    assert first.g1 == second.g1
+    assert first.g1_err != second.g1_err
+
+
+def test_cuts_and_masks_choose_the_sources(kept):
+    assert estimate_shear(kept).n == 4
+    assert estimate_shear(kept, flux_min=0.9e-3).n == 2
+    assert estimate_shear(kept, where=np.arange(7) < 3).n == 2
+    with pytest.raises(InputError, match="2 or more are needed"):
+        estimate_shear(kept, snr_min=1e9)
+
+
+def test_a_table_alone_has_no_statistics(kept):
+    assert as_measurement(kept.shapes).statistics is None
+    with pytest.raises(InputError, match="measure again with --keep moments"):
+        estimate_shear(kept.shapes, "moments")
+
+
+def test_a_bias_is_removed_from_memory_or_from_its_file(kept, tmp_path):
+    record = {"m1": 0.1, "m2": -0.2, "c1": 1e-3, "c2": 2e-3, "snr_min": 0.0, "frame": "sky"}
+    record |= {f"{name}_err": 0.0 for name in ("m1", "m2", "c1", "c2")} | {"estimator": "mean"}
+    path = tmp_path / "bias.json"
+    path.write_text(json.dumps(record))
+    raw, corrected = estimate_shear(kept), estimate_shear(kept, correction=path)
+    assert corrected.g1 == pytest.approx((raw.g1 - 1e-3) / 1.1)
+    assert corrected.g2 == pytest.approx((raw.g2 - 2e-3) / 0.8)
+    with pytest.raises(InputError, match="the bias is that of the estimator 'mean'"):
+        estimate_shear(kept, "moments", correction=str(path))
