@@ -99,9 +99,11 @@ def sky_terms(
     parts = [
         sample.select(slice(first, first + PART)) for first in range(0, max(len(sample), 1), PART)
     ]
+    # A single part is not worth a process of its own.
+    runner = executor if len(parts) > 1 else SERIAL
     found = []
     for part, terms in zip(
-        parts, executor.distribute(_terms_of_part, (estimator, about), parts), strict=True
+        parts, runner.distribute(_terms_of_part, (estimator, about), parts), strict=True
     ):
         found.append(terms)
         if meter is not None:
