@@ -94,7 +94,7 @@ def test_ellipticities_that_were_measured_are_summed_with_their_weights(crowd):
 
 def test_shears_of_the_sky_stay_what_they_are_near_a_pole(crowd):
     """Local North turns by 10 degrees over the field; circles behind the shear show nothing but it."""
-    centre = PhaseCentre(0.3, np.radians(89.8))
+    centre = PhaseCentre(0.3, np.radians(89.9))
     noise = replace(crowd.noise, phase_centre=centre)
     circles = replace(crowd.galaxies, ellipticity=np.zeros(20, complex))
     polar = replace(crowd, galaxies=circles, noise=noise, used=np.ones(20, bool))

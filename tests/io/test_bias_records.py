@@ -71,7 +71,7 @@ def test_the_facets_and_the_cut_are_told(tmp_path: Path) -> None:
     ("changes", "message"),
     [
         ({"frame": "galactic"}, "is in the frame 'galactic'; the frame 'sky' is needed"),
-        ({"flux_max_ujy": 50.0}, "is the bias of galaxies of no more than 50.0 uJy"),
+        ({"flux_max_ujy": 50.0}, "is the bias of galaxies below 50.0 uJy"),
         ({"wraps": "moments"}, "was simulated with wraps = moments"),
         ({"legacy_shear": True}, "was simulated with legacy_shear = True"),
         ({"position_error_arcsec": 0.3}, "was simulated with position_error_arcsec = 0.3"),

@@ -181,7 +181,7 @@ def test_a_wrong_table_of_shapes_is_refused(
 
 
 def test_an_extension_without_a_format_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"give \.ecsv, \.fits"):
+    with pytest.raises(InputError, match=r"the format of the table: \.ecsv, \.fits"):
         write_shapes(tmp_path / "shapes.txt", _table())
     assert list(tmp_path.iterdir()) == []
 

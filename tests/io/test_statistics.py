@@ -98,8 +98,8 @@ def test_arrays_of_one_length_stay_arrays(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("shapes", "message"),
     [
-        (Table({"id": ["a", "b"]}), "has 3 rows and .*shapes.fits has 2"),
-        (Table({"id": ["a", "c", "b"]}), "or the same in another order"),
+        (Table({"id": ["a", "b"]}), "has 3 rows, but .*shapes.fits has 2"),
+        (Table({"id": ["a", "c", "b"]}), "or has them in another order"),
         (Table({"name": ["a", "b", "c"]}), "shapes.fits: has no column 'id'"),
     ],
 )
