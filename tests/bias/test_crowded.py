@@ -4,82 +4,122 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from astropy.table import Table
 
-from tests.shear.test_bayesian import Toy
-from uvshear.bias.crowded import (
-    FieldBayesian,
-    FieldMean,
-    FieldMoments,
-    calibrate_field,
-)
-from uvshear.bias.survey import Survey, calibrate_crowded
+from tests.bias.surveys import SHEARS, plan
+from tests.estimators.test_evidence import Toy
+from uvshear.bias.crowded import estimate_crowded_bias
+from uvshear.bias.survey import Survey
+from uvshear.errors import InputError
+from uvshear.estimators.bayesian import Bayesian
+from uvshear.estimators.mean import Mean
+from uvshear.estimators.moments import Moments
 from uvshear.estimators.packing import pack
-from uvshear.extraction import MeasurementOptions
-from uvshear.extraction.extraction import Extracted
-from uvshear.galaxy import DiscEllipticityPrior
-from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.coverage import Track
-from uvshear.interferometer.layout import load_layout
-from uvshear.interferometer.plan import ObservingPlan
-from uvshear.interferometer.spectral_window import Channels
-from uvshear.interferometer.uv_range import UvRange
-from uvshear.shapes.measurement import FitFlag, ShapeMeasurement
-from uvshear.shapes.weight import lensfit_weight
-
-SHEARS = (0.03 * np.exp(0.25j * np.pi), -0.03 * np.exp(0.25j * np.pi))
+from uvshear.execution import SERIAL, Resources
+from uvshear.geometry.directions import PhaseCentre, local_north
+from uvshear.geometry.ellipticity import add_shear, to_field_frame
+from uvshear.io.catalogue import catalogue_from_galaxies
+from uvshear.io.statistics import statistics_table
+from uvshear.pipeline.measure import measure
+from uvshear.pipeline.measurement import Measurement
 
 
 @pytest.fixture(scope="module")
 def crowd():
     """Twenty galaxies, four to a square arcminute."""
-    track = Track.from_clock(PhaseCentre(0.0, np.radians(-30)), ((-14400.0, 14400.0),), 7200.0)
-    plan = ObservingPlan(load_layout("ska-mid-aa4"), track, Channels.from_band(0.95e9, 1.19e9, 1))
-    return Survey(plan, SHEARS, snr_min=10.0, seed=6).crowd(20, 4.0)
+    return Survey(plan(integration=7200.0), snr_min=10.0).crowd(SHEARS, 20, 4.0, seed=6)
 
 
 def test_moments_of_a_crowd_answer_to_the_shear(crowd):
-    total = calibrate_crowded(crowd, [FieldMoments()], MeasurementOptions())[0][0]
+    def measured(observation, lensed):
+        catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)
+        return measure(observation, catalogue, keep="moments", resources=Resources(SERIAL))
+
+    done = []
+    (total,) = estimate_crowded_bias(
+        crowd, [Moments()], measured, lambda now, there_is: done.append((now, there_is))
+    )
     assert total.n + total.failed == 20
     # of twenty galaxies; the same noise behind both shears leaves what neighbours make of it
     assert np.all(total.m_err < 0.05)
     assert np.all(np.abs(total.m) < 4 * total.m_err + 0.01)
     assert np.all(np.abs(total.c) < 4 * total.c_err + 1e-3)
+    assert done == [(k, 8) for k in range(1, 9)]
 
 
-def _extracted(crowd, shapes, kept):
-    measurements = {
-        k: replace(ShapeMeasurement.failed(FitFlag.NO_PEAK), ellipticity=np.array([e.real, e.imag]))
-        for k, e in enumerate(shapes)
-    }
-    covariance = 0.01 * np.eye(2)
-    for k, one in measurements.items():
-        if np.isfinite(one.ellipticity).all():
-            measurements[k] = replace(one, covariance=covariance, flag=FitFlag.OK)
-    return Extracted(measurements, crowd.galaxies, UvRange(), {}, kept)
+def _measurement(crowd, shapes, kept=None, estimator=None, centre=None):
+    """What a measurement would give that found these ellipticities; NaN where it failed."""
+    galaxies = crowd.galaxies
+    centre = centre or crowd.noise.phase_centre
+    table = Table(
+        {
+            "id": np.arange(len(galaxies)).astype(str),
+            "l": galaxies.l,
+            "m": galaxies.m,
+            "flux": galaxies.flux / 1e-6,
+            "e1": shapes.real,
+            "e2": shapes.imag,
+            "weight": np.linspace(1, 2, len(galaxies)),
+            "snr": np.full(len(galaxies), 20.0),
+            "flag": np.where(np.isfinite(shapes), "ok", "no_peak"),
+        }
+    )
+    table.meta = {"ra0_deg": np.degrees(centre.ra), "dec0_deg": np.degrees(centre.dec)}
+    statistics = None if kept is None else statistics_table(table, [estimator], kept)
+    return Measurement(table, statistics, None, {})
 
 
 def test_ellipticities_that_were_measured_are_summed_with_their_weights(crowd):
-    shapes = np.full(20, 0.2 - 0.1j)
-    shapes[3] = np.nan
-    terms = FieldMean().terms(_extracted(crowd, shapes, {}), crowd.galaxies.flux, 0j)
-    assert np.isnan(terms[3]).all()
-    weight = lensfit_weight(np.array([0.1]), DiscEllipticityPrior())[0]
-    expected = weight * np.array([0.2, -0.1, 1, 0, 0, 1])
-    np.testing.assert_allclose(np.delete(terms, 3, axis=0), np.tile(expected, (19, 1)))
+    """A galaxy that fails once is left out of all; the mean of e and -e behind a shear is known."""
+
+    def measured(observation, lensed):
+        shapes = lensed.ellipticity.copy()
+        shapes[3] = np.nan
+        return _measurement(crowd, shapes)
+
+    everyone = replace(crowd, used=np.ones(20, bool))
+    (total,) = estimate_crowded_bias(everyone, [Mean()], measured)
+    assert (total.n, total.failed) == (19, 1)
+    weight = np.delete(np.linspace(1, 2, 20), 3)
+    e = np.delete(crowd.galaxies.ellipticity, 3)
+    north = np.delete(local_north(crowd.noise.phase_centre, crowd.galaxies.l, crowd.galaxies.m), 3)
+    g = to_field_frame(np.full(19, SHEARS[0]), north)
+    behind = (add_shear(e, g) + add_shear(-e, g)) / 2
+    expected = np.average(np.conj(behind * np.exp(2j * north)), weights=weight)
+    # behind the opposite shear the mean is the opposite
+    np.testing.assert_allclose(total.m[0], expected.real / SHEARS[0].real - 1, atol=1e-10)
+    np.testing.assert_allclose(total.m[1], expected.imag / SHEARS[0].imag - 1, atol=1e-10)
+    np.testing.assert_allclose(total.c, 0, atol=1e-12)
+
+
+def test_shears_of_the_sky_stay_what_they_are_near_a_pole(crowd):
+    """Local North turns by 10 degrees over the field; circles behind the shear show nothing but it."""
+    centre = PhaseCentre(0.3, np.radians(89.9))
+    noise = replace(crowd.noise, phase_centre=centre)
+    circles = replace(crowd.galaxies, ellipticity=np.zeros(20, complex))
+    polar = replace(crowd, galaxies=circles, noise=noise, used=np.ones(20, bool))
+    assert np.ptp(local_north(centre, circles.l, circles.m)) > np.radians(10)
+
+    def measured(observation, lensed):
+        return _measurement(crowd, lensed.ellipticity, centre=centre)
+
+    (total,) = estimate_crowded_bias(polar, [Mean()], measured)
+    np.testing.assert_allclose(total.m, 0, atol=1e-9)
+    np.testing.assert_allclose(total.c, 0, atol=1e-12)
 
 
 def test_a_fields_likelihoods_find_its_shears(crowd):
-    """Rings without noise behind opposite shears, by a stand-in for the extraction."""
+    """Rings without noise behind opposite shears, by a stand-in for the measurement."""
     seen = []
 
-    def extract(_, lensed):
+    def measured(observation, lensed):
         likelihoods = [Toy(complex(e), 0.06, size=0.0).on_lattice() for e in lensed.ellipticity]
-        kept = {k: pack(one) for k, one in enumerate(likelihoods)}
+        kept = {k: pack(likelihood) for k, likelihood in enumerate(likelihoods)}
         seen.append(lensed)
-        return _extracted(crowd, lensed.ellipticity, kept)
+        return _measurement(crowd, lensed.ellipticity, kept, Bayesian())
 
     everyone = replace(crowd, used=np.ones(20, bool))
-    total = calibrate_field(everyone, [FieldBayesian()], extract)[0][0]
+    (total,) = estimate_crowded_bias(everyone, [Bayesian()], measured)
     assert len(seen) == 8
     assert np.all(np.abs(total.m) < 0.1)
     assert np.all(np.abs(total.c) < 2e-3)
@@ -87,8 +127,13 @@ def test_a_fields_likelihoods_find_its_shears(crowd):
 
 def test_noise_and_its_opposite_are_about_the_same_sky(crowd):
     galaxies = crowd.galaxies
-    both = [crowd.seen(galaxies, sign).blocks[0].stokes_i for sign in (1, -1)]
-    silent = replace(crowd, noise=crowd.seen(replace(galaxies, flux=0 * galaxies.flux), 1))
+    both = [crowd.observed(galaxies, sign).blocks[0].stokes_i for sign in (1, -1)]
+    silent = replace(crowd, noise=crowd.observed(replace(galaxies, flux=0 * galaxies.flux), 1))
     np.testing.assert_allclose(
         both[0] - both[1], 2 * silent.noise.blocks[0].stokes_i, rtol=0, atol=1e-5
     )
+
+
+def test_an_estimator_that_learns_is_refused_before_anything_is_measured(crowd):
+    with pytest.raises(InputError, match="'bayesian' learns from a sample"):
+        estimate_crowded_bias(crowd, [Bayesian(fits_population=True)], measure)

@@ -204,7 +204,7 @@ def test_a_sample_without_fluxes_has_no_bins():
 def test_too_few_galaxies_are_told():
     columns = _by_flux(5)
     columns["weight"][1:] = 0
-    with pytest.raises(InputError, match="the shear of 5 galaxies, of which 1 tell"):
+    with pytest.raises(InputError, match="the shear of 5 galaxies, of which 1 contribute"):
         estimate_sample_shear(Mean(), Sample(columns, np.zeros(5)))
 
 

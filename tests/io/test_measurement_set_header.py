@@ -114,7 +114,7 @@ def test_a_frequency_of_zero_is_an_error(path):
 
 def test_crossed_hands_alone_are_an_error(path):
     change(path, "CORR_TYPE", [[10, 11]], subtable="POLARIZATION")
-    with pytest.raises(InputError, match=r"\[10, 11\] hold no Stokes I"):
+    with pytest.raises(InputError, match=r"\[10, 11\] do not give Stokes I"):
         MeasurementSet(path)
 
 

@@ -121,7 +121,7 @@ def test_what_the_metadata_tell_is_a_warning_too(pair):
     for column in ("WEIGHT", "WEIGHT_SPECTRUM"):
         change(first, column, 0.0)
     found = first_pass(open_observation(first)).warnings
-    assert found[0] == f"{first}: no WEIGHT above zero; the weights are 1/SIGMA^2"
+    assert found[0] == f"{first}: WEIGHT has no value above zero; the weights are 1/SIGMA^2"
 
 
 def test_dishes_are_those_of_all_sets(pair):

@@ -9,15 +9,10 @@ import pytest
 
 from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
-from uvshear.estimators.evidence import UnlensedPopulation
+from uvshear.estimators.population import UnlensedPopulation
 from uvshear.estimators.population_fit import FittedPopulation
-from uvshear.galaxy import (
-    DiscEllipticityPrior,
-    FlatEllipticityPrior,
-    PowerLawFlux,
-    SizeFluxRelation,
-)
-from uvshear.io.population import fitted_record, population_record, read_population
+from uvshear.galaxy import DiscEllipticityPrior, PowerLawFlux, SizeFluxRelation
+from uvshear.io.population import read_population
 
 OWN = UnlensedPopulation(
     PowerLawFlux(index=-1.6, minimum=5 * MICROJANSKY, maximum=300 * MICROJANSKY),
@@ -33,7 +28,7 @@ def _written(tmp_path: Path, record: object) -> Path:
 
 
 def test_what_is_written_is_read(tmp_path: Path) -> None:
-    found = read_population(_written(tmp_path, population_record(OWN)))
+    found = read_population(_written(tmp_path, OWN.record()))
     assert (found.size, found.ellipticity) == (OWN.size, OWN.ellipticity)
     assert found.flux.index == OWN.flux.index
     assert found.flux.minimum == pytest.approx(OWN.flux.minimum)
@@ -50,23 +45,17 @@ def test_what_is_left_out_is_the_papers(tmp_path: Path) -> None:
     assert found == replace(UnlensedPopulation(), size=SizeFluxRelation(sigma=0.2))
 
 
-def test_a_fitted_population_has_errors_and_is_read_again(tmp_path: Path) -> None:
+def test_a_fitted_population_is_read_without_its_errors(tmp_path: Path) -> None:
     covariance = np.diag([0.02, 0.05, 0.1, 0.2]) ** 2
-    record = fitted_record(FittedPopulation(OWN, covariance))
-    assert record["size"]["intercept_err"] == pytest.approx(0.02)
-    assert record["size"]["sigma_err"] == pytest.approx(0.05 * 0.4)
-    assert record["ellipticity"]["c_err"] == pytest.approx(0.1 * 0.3)
-    assert record["ellipticity"]["e0_err"] == pytest.approx(0.2 * 0.1)
+    record = FittedPopulation(OWN, covariance).record()
+    assert "intercept_err" in record["size"]
     # as a shear has it
     found = read_population(_written(tmp_path, {"g1": 0.01, "population": record}))
-    assert found.size == OWN.size
+    assert (found.size, found.ellipticity) == (OWN.size, OWN.ellipticity)
 
 
-def test_ellipticities_of_another_kind_are_left_out() -> None:
-    flat = replace(OWN, ellipticity=FlatEllipticityPrior())
-    assert set(population_record(flat)) == {"flux", "size"}
-    fitted = fitted_record(FittedPopulation(flat, np.eye(2)))
-    assert set(fitted["size"]) == {"intercept", "slope", "sigma", "intercept_err", "sigma_err"}
+def test_a_path_may_be_text(tmp_path: Path) -> None:
+    assert read_population(str(_written(tmp_path, {}))) == UnlensedPopulation()
 
 
 @pytest.mark.parametrize(
@@ -75,12 +64,12 @@ def test_ellipticities_of_another_kind_are_left_out() -> None:
         ([], "is not a population"),
         ({"sizes": {}}, "has 'sizes'; a population has flux, size, ellipticity"),
         ({"population": 3}, "has no parts"),
-        ({"size": 3}, "'size' is no object of intercept, slope, sigma"),
+        ({"size": 3}, "'size' is not an object with intercept, slope, sigma"),
         ({"size": {"scatter": 0.3}}, "'size' has 'scatter'; it has intercept, slope, sigma"),
         ({"size": {"sigma": "wide"}}, "'size' has no number as 'sigma'"),
-        ({"size": {"sigma": -0.3}}, "'size' has -0.3 as 'sigma'; it lies between 0.01 and 10"),
+        ({"size": {"sigma": -0.3}}, "'size' has -0.3 as 'sigma'; it must be between 0.01 and 10"),
         ({"size": {"sigma": 10**400}}, "'size' has no number as 'sigma'"),
-        ({"flux": {"index": 400}}, "'flux' has 400 as 'index'; it lies between -10 and 10"),
+        ({"flux": {"index": 400}}, "'flux' has 400 as 'index'; it must be between -10 and 10"),
         ({"ellipticity": {"e0": 0}}, "'ellipticity' has 0 as 'e0'"),
         ({"ellipticity": {"maximum": 1.5}}, "it must lie between 0 and 1"),
         ({"flux": {"minimum_ujy": 500}}, "positive and below the maximum"),

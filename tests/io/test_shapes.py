@@ -10,7 +10,17 @@ from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre, equatorial
 from uvshear.io.provenance import Provenance
-from uvshear.io.shapes import COLUMNS, inside, read_shapes, shapes_table, write_shapes
+from uvshear.io.shapes import (
+    COLUMNS,
+    averages_cells,
+    extraction_record,
+    inside,
+    metadata,
+    phase_centre_of,
+    read_shapes,
+    shapes_table,
+    write_shapes,
+)
 from uvshear.typing import Array
 
 CONTRACT = [
@@ -171,6 +181,62 @@ def test_a_wrong_table_of_shapes_is_refused(
 
 
 def test_an_extension_without_a_format_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"give \.ecsv, \.fits"):
+    with pytest.raises(InputError, match=r"the format of the table: \.ecsv, \.fits"):
         write_shapes(tmp_path / "shapes.txt", _table())
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", [".ecsv", ".fits"])
+def test_the_phase_centre_is_that_of_the_axes(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"shapes{suffix}"
+    write_shapes(path, _table())
+    centre = phase_centre_of(read_shapes(path))
+    assert centre.ra == pytest.approx(CENTRE.ra)
+    assert centre.dec == pytest.approx(CENTRE.dec)
+    assert metadata(read_shapes(path))["ra0_deg"] == pytest.approx(np.degrees(CENTRE.ra))
+
+
+@pytest.mark.parametrize("broken", [None, "north"])
+def test_a_table_without_its_phase_centre_is_refused(broken: str | None) -> None:
+    table = _table()
+    if broken is None:
+        del table.meta["dec0_deg"]
+    else:
+        table.meta["dec0_deg"] = broken
+    with pytest.raises(InputError, match="lacks its phase centre"):
+        phase_centre_of(table)
+
+
+def test_the_record_of_the_extraction_is_read() -> None:
+    table = _table()
+    assert extraction_record(table)["sweeps"] == 3
+    assert not averages_cells(table)
+    table.meta["extract"] = json.dumps({"averages_cells": True})
+    assert averages_cells(table)
+    for text in ("a way of its own", "[1, 2]"):
+        table.meta["extract"] = text
+        assert extraction_record(table) == {}
+    del table.meta["extract"]
+    assert extraction_record(table) == {}
+
+
+def test_columns_in_other_units_are_converted(tmp_path: Path) -> None:
+    table = _table()
+    table["scale_length"] = table["scale_length"].quantity.to("mas")
+    table["flux"] = table["flux"].quantity.to("Jy")
+    path = tmp_path / "shapes.ecsv"
+    write_shapes(path, table)
+    back = read_shapes(path)
+    np.testing.assert_allclose(inside(back, "flux"), inside(_table(), "flux"))
+    np.testing.assert_allclose(inside(back, "scale_length"), inside(_table(), "scale_length"))
+    table["flux"].unit = "m"
+    write_shapes(path, table, overwrite=True)
+    with pytest.raises(InputError, match="column 'flux' is in 'm', which cannot be converted to"):
+        read_shapes(path)
+
+
+def test_a_column_that_is_not_there_is_named() -> None:
+    table = _table()
+    del table["flux"]
+    with pytest.raises(InputError, match="no column 'flux'"):
+        inside(table, "flux")

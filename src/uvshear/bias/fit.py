@@ -30,8 +30,8 @@ class Bias:
     m, m_err, c, c_err
         Multiplicative and additive bias of both components; m is NaN where no shear was applied.
     response
-        Response of the estimator's terms to both components, summed over all measurements: the weight of these galaxies
-        in a mean over galaxies of different fluxes.
+        Response of the estimator's terms to both components, summed over the measurements of a galaxy and averaged over
+        galaxies: the weight of these galaxies in a mean over galaxies of different fluxes.
     n
         Number of galaxies, each measured several times.
     failed
@@ -106,7 +106,9 @@ def shears_from_sums(
     """Return the shears that follow from sums of an estimator's terms: two values, and four of their response."""
     response = values[..., 2:].reshape(*values.shape[:-1], 2, 2)
     if np.any(np.all(response == 0, axis=(-2, -1))):
-        raise InputError("no galaxy tells of the shear: none passes the cuts, or none was measured")
+        raise InputError(
+            "no galaxy contributes to the shear: none passes the cuts, or none was measured"
+        )
     ratio = np.linalg.solve(response, values[..., :2, None])[..., 0]
     return ratio + np.array([[g.real, g.imag] for g in about])
 

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import islice
 from typing import TypeAlias
 
 import numpy as np
@@ -185,10 +184,10 @@ def _trained(experiment: Experiment, estimator: Estimator, galaxies: int) -> Est
     """Return the estimator trained on unsheared galaxies other than those that are measured."""
     if not estimator.is_learning:
         return estimator
-    unlensed = mock_galaxies(replace(experiment, shears=(0j,)), galaxies, TRAINING)
-    # The first of the realisations of each galaxy.
-    sources = (mock.source for mock in islice(unlensed, 0, None, len(TURNED)))
-    rows = [row for source in sources if (row := observe(estimator.learner, source)) is not None]
+    unlensed = replace(experiment, shears=(0j,))
+    mocks = mock_galaxies(unlensed, galaxies, TRAINING, unlensed.realisations[:1])
+    found = (observe(estimator.learner, mock.source) for mock in mocks)
+    rows = [row for row in found if row is not None]
     if not rows:
         raise InputError("no galaxy passes the cuts; the estimator needs some to learn from")
     return estimator.trained(Sample.from_rows(rows), 0j)
@@ -294,8 +293,19 @@ def _is_bright(mock: MockGalaxy, snr_min: float) -> bool:
     return fit is not None and fit.snr >= snr_min
 
 
-def mock_galaxies(experiment: Experiment, first: int, number: int) -> Iterator[MockGalaxy]:
-    """Draw galaxies from number ``first`` on, and yield every realisation of each galaxy with every shear."""
+def mock_galaxies(
+    experiment: Experiment,
+    first: int,
+    number: int,
+    realisations: Sequence[Realisation] | None = None,
+) -> Iterator[MockGalaxy]:
+    """Draw galaxies from number ``first`` on, and yield every realisation of each galaxy with every shear.
+
+    Parameters
+    ----------
+    realisations
+        Realisations that are drawn; those of the experiment unless given.
+    """
     rng = np.random.default_rng([experiment.seed, first])
     more_rng = np.random.default_rng([experiment.seed, first, 1])
     galaxies = experiment.draw(number, rng)
@@ -304,7 +314,7 @@ def mock_galaxies(experiment: Experiment, first: int, number: int) -> Iterator[M
     shears = [complex(shear).conjugate() for shear in experiment.shears]
     lensed = [
         ([experiment.lens(part.galaxies(galaxies), g) for g in shears], part.noise)
-        for part in experiment.realisations
+        for part in realisations or experiment.realisations
     ]
     for k in range(number):
         prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))

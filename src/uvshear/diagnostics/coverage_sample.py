@@ -12,7 +12,7 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class CoverageSample:
-    """Baselines of an observation: all of them, or some spread evenly.
+    """Baselines of an observation: all of them, or a random sample.
 
     Parameters
     ----------
@@ -30,25 +30,25 @@ class CoverageSample:
 
 
 class CoverageAccumulator(Accumulator[CoverageSample]):
-    """Draws baselines that carry weight: where there are more than ``most``, some at random."""
+    """Draws baselines that carry weight: a random sample where there are more than ``most``."""
 
     def __init__(self, most: int = 1_000_000) -> None:
         self._most = most
         self._uvw, self._lots = np.empty((0, 3)), np.empty(0)
         self._frequencies: set[float] = set()
         self._rows, self._part = 0, 1.0
-        # A regular stride would meet the same baselines again and again.
+        # A regular stride would select the same baselines again and again.
         self._rng = np.random.default_rng(0)
 
     def add(self, seen: Visibilities) -> None:
-        """Draw a lot for each row, and keep those below a limit that falls with the number of rows."""
+        """Draw a random number for each row, and keep the rows below a limit that falls with the number of rows."""
         uvw = seen.uvw[np.any(seen.weights > 0, axis=1)]
         self._frequencies.update(seen.frequency.tolist())
         self._rows += len(uvw)
         self._join(uvw, self._rng.uniform(size=len(uvw)))
 
     def merge(self, later: Self) -> None:
-        """Take in what was drawn from later visibilities."""
+        """Add the baselines that were drawn from later visibilities."""
         self._frequencies |= later._frequencies
         self._rows += later._rows
         self._part = min(self._part, later._part)
@@ -72,6 +72,6 @@ class CoverageAccumulator(Accumulator[CoverageSample]):
 
 
 def sample_coverage(observation: Observation, most: int = 1_000_000) -> CoverageSample:
-    """Read an observation once, for at most ``most`` of its baselines or little more."""
+    """Read an observation once, and draw about ``most`` of its baselines, or all of them if there are fewer."""
     (sample,) = accumulate(observation, [CoverageAccumulator(most)])
     return sample

@@ -1,4 +1,4 @@
-"""Signal-to-noise ratios of natural weights, whatever baselines a shape was taken from."""
+"""Signal-to-noise ratios with natural weights, whatever the baselines on which a shape was measured."""
 
 import math
 from collections.abc import Mapping
@@ -32,13 +32,13 @@ def with_natural_snr(
     cells
         Natural weights of all visibilities.
     sky
-        All sources of the catalogue as they were found.
+        All sources of the catalogue with their fitted parameters.
     profile
         Brightness profile of the galaxies.
     response
         Attenuation of the sources; none unless given.
     executor
-        Runs galaxies side by side.
+        Executor for the galaxies.
     """
     if not measurements:
         return measurements
@@ -57,8 +57,9 @@ def natural_norms(
 ) -> Float[Array, " source"]:
     """<m, m> of each galaxy for unit flux over every visibility [Jy^-2]: snr = S sqrt<m, m>.
 
-    The weights are known over the length (in logarithmic steps) and the angle of the baselines: a model's square has no
-    phase, so that it hardly changes across a cell. The tilt of baselines seen from off the phase centre is left out.
+    The weights are mapped by the length (in logarithmic steps) and the angle of the baselines. The square of a model
+    has no phase, so that it hardly changes across a cell of this map. The shift of baselines for sources away from the
+    phase centre is neglected.
     """
     form = np.stack(quadratic_form(galaxies.ellipticity, galaxies.scale_length), axis=-1)
     squares = 4 * math.pi**2 * np.stack([cells.u**2, cells.u * cells.v, cells.v**2])

@@ -1,4 +1,4 @@
-"""The dirty image of a field, and that of the residual when its sky is subtracted.
+"""The dirty image of a field, and its residual image after the sky model is subtracted.
 
 Both come from one pass over the visibilities. They have natural weights, and the w-planes of the gridder make them
 exact over the whole field.
@@ -33,10 +33,10 @@ from uvshear.typing import Array, Complex, Float
 
 MOST_PIXELS = 4096
 FEWEST_PIXELS = 64
-"""Number of pixels across an image, at most and at least."""
+"""Largest and smallest number of pixels across an image."""
 
 WIDEST = 1.0
-"""Width of an image at most, in direction cosines: its corners stay above the horizon."""
+"""Largest width of an image, in direction cosines: its corners stay above the horizon."""
 
 COMFORTABLE = 1.5
 """Nyquist frequency of the pixels over the longest baseline, where ``MOST_PIXELS`` allows; at least
@@ -44,7 +44,7 @@ COMFORTABLE = 1.5
 
 MARGIN = 30 * ARCSEC
 RELATIVE_MARGIN = 0.1
-"""Margin of sky beyond the outermost source: the larger of a length [rad] and of a part of the source's distance."""
+"""Margin of sky beyond the outermost source: the larger of a length [rad] and a fraction of the source's distance."""
 
 DIRECT = 2e9
 """Number of sources times samples up to which the models are summed directly, which takes ten seconds."""
@@ -53,16 +53,16 @@ REACH = 14.0
 """Distance to which a galaxy is drawn [long-axis scale lengths]: 1e-5 of an exponential disc's flux is beyond."""
 
 POINT_STAMP = 128
-"""Width to which the smallest source is drawn [finest pixels]: its image rings until the taper has worn off."""
+"""Width to which the smallest source is drawn [finest pixels]: its image rings out to the scale of the taper."""
 
 BYTES_PER_PIXEL = 60
-"""Memory that a pixel takes while it is worked on: the pixel, and the oversampled plane of the gridder."""
+"""Memory for each pixel that is processed: the pixel, and the oversampled plane of the gridder."""
 
 Predict = Callable[[Samples], Complex[Array, " sample"]]
-"""Predicts the visibilities of a sky [Jy]."""
+"""Function that predicts the visibilities of a sky [Jy]."""
 
 Step = Callable[[int], None]
-"""Called with the number of samples that have been predicted or imaged."""
+"""Function that is called with the number of samples that have been predicted or imaged."""
 
 
 @dataclass(frozen=True)
@@ -78,13 +78,13 @@ class DirtyAndResidual:
     grid
         Pixels, about the phase centre.
     weight
-        Sum of the weights of the visibilities that took part [Jy^-2].
+        Sum of the weights of the visibilities that were used [Jy^-2].
     frequency
         Weighted mean of their frequencies [Hz].
     uv_range
-        Baselines that took part: those that were asked for and that the pixels can carry.
+        Baselines that were used: the requested ones that the pixels can represent.
     samples
-        Number of visibilities that took part.
+        Number of visibilities that were used.
     """
 
     dirty: Float[Array, "l m"]
@@ -97,7 +97,7 @@ class DirtyAndResidual:
 
     @property
     def noise(self) -> float:
-        """Standard deviation of either image where nothing but noise is in the data [Jy/beam]."""
+        """Standard deviation of either image if the data were noise alone [Jy/beam]."""
         return 1 / math.sqrt(self.weight)
 
     @property
@@ -131,7 +131,7 @@ def residual_image(
     Parameters
     ----------
     sky
-        The sky that is subtracted; sources without flux do not count.
+        The sky that is subtracted; sources without flux are ignored.
     summary
         Summary of the observation.
     uv_range
@@ -162,7 +162,7 @@ def residual_image(
 
 
 def _beyond(uv_range: UvRange) -> float:
-    """Upper end of a half-open range in which the longest baseline itself takes part [wavelengths]."""
+    """Upper end of a half-open range that includes the longest baseline itself [wavelengths]."""
     return uv_range.maximum * (1 + 1e-9)
 
 
@@ -174,9 +174,9 @@ class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
     grid
         Pixels, about the phase centre.
     uv_range
-        Baselines that take part.
+        Baselines that are used.
     predict
-        Predicts the models for samples; None for an empty sky.
+        Function that predicts the models for samples; None for an empty sky.
     gridding
         Accuracy and resources.
     step
@@ -222,7 +222,7 @@ class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
         if weight == 0:
             raise InputError(
                 f"no visibility from {used.minimum:g} to {used.maximum:g} wavelengths carries weight:"
-                " there is nothing to make a residual image of"
+                " a residual image cannot be made"
             )
         dirty, residual = (self._images / weight).astype(np.float32)
         frequency = self._weighted_frequency / weight
@@ -252,7 +252,7 @@ class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
 
 
 def plan_image(sky: Galaxies, uv_range: UvRange, longest: float) -> tuple[ImageGrid, UvRange]:
-    """Choose pixels that hold every source; return them with the baselines [wavelengths] that they carry.
+    """Choose pixels that hold every source; return them with the baselines [wavelengths] that they represent.
 
     ``longest`` is the longest baseline of the observation.
     """
@@ -267,8 +267,8 @@ def plan_image(sky: Galaxies, uv_range: UvRange, longest: float) -> tuple[ImageG
     carried = min(wanted, 1 / (2 * OVERSAMPLING * pixel))
     if uv_range.minimum >= carried:
         raise InputError(
-            f"--uv-min {uv_range.minimum:g}: an image of {size} pixels that holds every source carries"
-            f" baselines up to {carried:.4g} wavelengths; a lower uv-min, or no residual image"
+            f"--uv-min {uv_range.minimum:g}: an image of {size} pixels that holds every source represents"
+            f" baselines up to {carried:.4g} wavelengths; a lower --uv-min is needed, or no residual image"
         )
     return ImageGrid(size, pixel), UvRange(uv_range.minimum, carried)
 

@@ -1,9 +1,9 @@
-"""Slope of measured on true ellipticity: by how much shapes are pulled towards zero, or pushed away from it.
+"""Slope of a regression of measured on true ellipticity, which shows the multiplicative bias of shapes.
 
-Such a slope depends on the weights of the galaxies. Rivi & Miller 2018 quote one whose formal error is that of weights
-1/s^2, with s the error of each ellipticity: it is dominated by the few brightest galaxies. The posterior mean under a
-flat prior is pulled towards zero at a low signal-to-noise ratio, so that weights which count faint galaxies give lower
-slopes of the same shapes.
+Such a slope depends on the weights of the galaxies. The formal error that Rivi & Miller 2018 quote is that of weights
+1/s^2, with s the error of each ellipticity; such a slope is dominated by the few brightest galaxies. The posterior mean
+under a flat prior is pulled towards zero at a low signal-to-noise ratio, so that weights which give faint galaxies more
+influence lead to lower slopes of the same shapes.
 """
 
 import math
@@ -17,19 +17,19 @@ from uvshear.errors import InputError
 from uvshear.typing import Array, Float
 
 POPULATION_VARIANCE: Final = 0.07
-"""Variance of each component of e over the population that :func:`population_weights` supposes."""
+"""Variance of each component of e in the population, as :func:`population_weights` assumes it."""
 
 Weighting: TypeAlias = Callable[[Float[Array, " source"]], Float[Array, " source"]]
 """Function from the errors s of one component of e to the weights of the galaxies."""
 
 
 def inverse_variance_weights(error: Float[Array, " source"]) -> Float[Array, " source"]:
-    """Weights 1/s^2, those of the slopes in Rivi & Miller 2018."""
+    """Weights 1/s^2, most likely those of the slopes in Rivi & Miller 2018."""
     return 1 / error**2
 
 
 def population_weights(error: Float[Array, " source"]) -> Float[Array, " source"]:
-    """Weights 1/(s^2 + 0.07), those of galaxies as estimates of the shear, with the scatter of the population."""
+    """Weights 1/(s^2 + 0.07), which include the scatter of the population as in an estimate of the shear."""
     return 1 / (error**2 + POPULATION_VARIANCE)
 
 
@@ -67,7 +67,7 @@ class Slopes:
     Parameters
     ----------
     inverse_variance
-        Slope with weights 1/s^2, the definition of Rivi & Miller 2018.
+        Slope with weights 1/s^2, most likely the definition of Rivi & Miller 2018.
     population
         Slope with weights 1/(s^2 + 0.07).
     unweighted

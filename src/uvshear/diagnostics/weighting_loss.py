@@ -13,21 +13,21 @@ from uvshear.interferometer.baseline_map import BaselineMap
 from uvshear.typing import Array, Float
 
 WORST = 1e8
-"""Condition number from which on flux, size and ellipticity cannot be told apart."""
+"""Condition number above which flux, size and ellipticity cannot be separated."""
 
 
 @dataclass(frozen=True)
 class WeightingLoss:
-    """What a weighting leaves of the figures of natural weights.
+    """Signal-to-noise ratios and information with a weighting, relative to natural weights.
 
     Parameters
     ----------
     snr_point, snr_galaxy
-        Part of the signal-to-noise ratio of a point source, and of a galaxy measured by its own model.
+        Fraction of the signal-to-noise ratio of a point source, and of a galaxy measured with its own model.
     information
-        Part of the information, 1/variance, on e1 and on e2 of the galaxy with its flux and size free.
+        Fraction of the information, 1/variance, on e1 and on e2 of the galaxy with its flux and size free.
     variance_over_beam
-        Variance of its ellipticity over the variance that one would read off the weights as if they were 1/sigma^2.
+        Variance of its ellipticity over the variance that follows from the weights if they are taken as 1/sigma^2.
     """
 
     snr_point: float
@@ -39,7 +39,7 @@ class WeightingLoss:
 def weighting_loss(
     cells: BaselineMap, scale_length: float, profile: Profile, ellipticity: complex = 0j
 ) -> WeightingLoss:
-    r"""Work out the loss for a galaxy of a scale length [rad], by the covariance of estimates linear in visibilities.
+    r"""Compute the loss for a galaxy of a scale length [rad] from the covariance of linear estimates.
 
     With D the derivatives of the model by flux, ellipticity and ln(scale length), natural weights w and factors T,
 
@@ -47,12 +47,12 @@ def weighting_loss(
         \mathrm{cov}_T = H^{-1} J H^{-1},\quad H = \sum w T D D^T,\ J = \sum w T^2 D D^T,\quad
         \mathrm{cov} = \left(\sum w D D^T\right)^{-1}
 
-    Positions are left out: a model's derivative by its position is imaginary where the others are real.
+    Positions are left out, because the derivative of a model by its position is imaginary and the others are real.
 
     Raises
     ------
     InputError
-        If the weighted baselines do not tell flux, size and ellipticity apart.
+        The weighted baselines do not determine flux, size and ellipticity.
     """
     derivatives = _derivatives(cells, scale_length, profile, ellipticity)
     natural, once, twice = (
@@ -63,7 +63,7 @@ def weighting_loss(
     alone = np.sqrt(np.diag(once))
     if not np.all(alone > 0) or np.linalg.cond(once / np.outer(alone, alone)) > WORST:
         raise InputError(
-            f"the weighted baselines do not tell the shape of a galaxy of scale length"
+            f"the weighted baselines do not determine the shape of a galaxy of scale length"
             f" {scale_length / ARCSEC:.3g} arcsec; a wider uv range, or another weighting, is needed"
         )
     by_beam = np.linalg.inv(once)
@@ -81,7 +81,7 @@ def weighting_loss(
 
 
 def _snr(cells: BaselineMap, model: Float[Array, " cell"]) -> float:
-    """Part of the signal-to-noise ratio of a model's flux that is left."""
+    """Fraction of the signal-to-noise ratio of a model's flux that is left."""
     natural, once, twice = (
         float(np.sum(weight * model**2))
         for weight in (cells.weight, cells.weighted_sum, cells.weighted_sum_of_squares)

@@ -1,4 +1,4 @@
-"""Estimators of the shear, one file each: the statistics that are kept of a facet, and the terms of the ratio of sums.
+"""Estimators of the shear, one file each: the statistics of a facet that are kept, and the terms of the ratio of sums.
 
 ``estimator`` has the base class; ``mean``, ``moments``, ``bayesian`` and ``metacal`` have the estimators, which
 ``registry`` finds by name. ``estimate`` turns a ``Sample`` of measured or simulated sources into a ``ShearEstimate``.

@@ -22,19 +22,19 @@ from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.typing import Array, Complex
 
 LIKELIHOOD: Final = "likelihood"
-"""Column of a simulated sample that holds likelihoods as they are, not packed."""
+"""Column of a simulated sample that holds likelihoods without packing."""
 
 
 @dataclass(frozen=True)
 class Bayesian(Estimator):
-    """Shear behind which the galaxies of a population are most probable, given the likelihood of each one's shape.
+    """Most probable shear for a population of galaxies, given the likelihood of each galaxy's shape.
 
     It has no noise bias if the population is the right one (``estimators.evidence`` has the mathematics).
 
     Parameters
     ----------
     population
-        Distributions of flux, size and ellipticity of galaxies without a lens; those of the paper unless given.
+        Distributions of flux, size and ellipticity of unlensed galaxies; those of the paper unless given.
     fits_population
         Whether the distributions of size and ellipticity are first fitted to the sample itself.
     fitted
@@ -54,14 +54,14 @@ class Bayesian(Estimator):
             "origin of the lattice in (e1, e2, ln(scale length/rad)), and its axes, row by row"
         ),
         "columns": Column(
-            "three coordinates of the lowest node, and the number of nodes, of each column of the lattice"
+            "three coordinates of the lowest node, and the number of nodes, for each column of the lattice"
         ),
         "log_likelihood": Column(
-            "log likelihood below its maximum in thousandths, column by column"
+            "log likelihood below its maximum, in thousandths, column by column of the lattice"
         ),
-        "flux_terms": Column("coefficients of the polynomial that is the flux at each node", "Jy"),
+        "flux_terms": Column("coefficients of the polynomial for the flux at each node", "Jy"),
         "variance_terms": Column(
-            "coefficients of the polynomial that is ln(variance of the flux / Jy2)"
+            "coefficients of the polynomial for ln(variance of the flux / Jy2) at each node"
         ),
     }
     is_expanded = True
@@ -72,12 +72,12 @@ class Bayesian(Estimator):
         return None if likelihood is None else pack(likelihood)
 
     def numbers(self, source: SourceFacet) -> Mapping[str, object] | None:
-        """Sample the likelihood and leave it as it is: packing would take another 7 per cent of the time."""
+        """Sample the likelihood without packing it, which would take another 7 per cent of the time."""
         likelihood = self._likelihood(source)
         return None if likelihood is None else {LIKELIHOOD: likelihood}
 
     def _likelihood(self, source: SourceFacet) -> ShapeLikelihood | None:
-        """Sample the likelihood of a source wherever the population has galaxies."""
+        """Sample the likelihood of a source over all shapes that the population contains."""
         profile = source.profile
         cache = self._caches.setdefault(profile, DecompositionCache(profile))
         found = sample_likelihood(
@@ -100,9 +100,9 @@ class Bayesian(Estimator):
         )
 
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
-        """Return gradient and curvature of the log probability of each galaxy's data.
+        """Return the gradient and the curvature of the log probability of each galaxy's data.
 
-        Both are zero for a galaxy that the population does not have.
+        Both are zero for a galaxy that does not occur in the population.
         """
         value = np.full((len(sample), 2), np.nan)
         response = np.full((len(sample), 2, 2), np.nan)
@@ -119,7 +119,7 @@ class Bayesian(Estimator):
         return self.fits_population
 
     def trained(self, sample: Sample, about: complex, meter: Meter | None = None) -> Self:
-        """Return the estimator with the population that was fitted to the galaxies of a sample behind a shear."""
+        """Return the estimator with the population fitted to a sample of galaxies behind a shear."""
         pairs = [
             (likelihood, shear)
             for likelihood, shear in zip(

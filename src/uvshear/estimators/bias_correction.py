@@ -25,7 +25,7 @@ class Component:
     c_err: float
 
     def corrected(self, measured: float, error: float) -> tuple[float, float]:
-        """Return the shear without the bias, and its standard error: those of shear, c and m in quadrature."""
+        """Return the shear without the bias, and its standard error from those of the shear, c and m in quadrature."""
         g = (measured - self.c) / (1 + self.m)
         return g, math.sqrt(error**2 + self.c_err**2 + (g * self.m_err) ** 2) / (1 + self.m)
 
@@ -53,7 +53,7 @@ class BiasCorrection:
     averages_cells
         Whether the facets were the paper's, which average in cells.
     cuts_on_measured
-        Whether ``snr_min`` cut the fitted signal-to-noise ratio, as it does for a shear, rather than the catalogue's.
+        Whether ``snr_min`` was a cut on the fitted signal-to-noise ratio, as for a shear, and not on the catalogue's.
     """
 
     total: Pair

@@ -14,19 +14,19 @@ from uvshear.execution import SERIAL, Executor
 from uvshear.progress import Meter
 
 ROUNDS = 3
-"""Rounds of an expansion about the estimate; the remaining error is of the fourth order in that of the first round."""
+"""Iterations of the expansion about the estimate; the remaining error is of fourth order in that of the first."""
 
 LARGEST = 0.3
 """Largest shear about which an expansion is taken."""
 
 FEWEST = 20
-"""Smallest number of sources for which a bin of flux has a shear of its own."""
+"""Smallest number of sources in a bin of flux for which a shear is reported."""
 
 LEAST = 2
-"""Smallest number of sources that have a shear."""
+"""Smallest number of sources from which a shear is estimated."""
 
 PART = 64
-"""Number of sources of a task of the executor."""
+"""Number of sources in one task of the executor."""
 
 
 def estimate_sample_shear(
@@ -35,21 +35,22 @@ def estimate_sample_shear(
     executor: Executor = SERIAL,
     meter: Meter | None = None,
 ) -> ShearEstimate:
-    """Estimate the shear of a sample in the frame of the sky, with that of each bin of the column ``flux``.
+    """Estimate the shear of a sample in the frame of the sky, in total and in bins of the column ``flux``.
 
-    An estimator that learns does so first, from the whole sample.
+    An estimator that learns from the sample is first trained on all of it.
 
     Raises
     ------
     InputError
-        Fewer than two sources tell anything of the shear, or the estimator would have had to learn earlier.
+        Fewer than two sources contribute to the shear, or the estimator should have been trained before the
+        measurement.
     """
     meter = meter or Meter(None)
     if estimator.is_learning:
         if estimator.learner is not estimator:
             raise InputError(
-                f"the estimator '{estimator.name}' wraps '{estimator.learner.name}', which learns from a sample: that"
-                f" comes before the measurement, whose statistics depend on it"
+                f"the estimator '{estimator.name}' wraps '{estimator.learner.name}', which learns from a sample; this"
+                f" must happen before the measurement, because the statistics depend on it"
             )
         first = _estimate(estimator, sample, executor, meter)
         estimator = estimator.trained(sample, first.shear, meter)
@@ -69,7 +70,7 @@ def _estimate(
         told = terms.select(terms.tells)
         if len(told) < LEAST:
             raise InputError(
-                f"the shear of {len(sample)} galaxies, of which {len(told)} tell anything of it; {LEAST} or more such"
+                f"the shear of {len(sample)} galaxies, of which {len(told)} contribute to it; {LEAST} or more such"
                 f" galaxies are needed"
             )
         found = ratio(told)
@@ -98,9 +99,11 @@ def sky_terms(
     parts = [
         sample.select(slice(first, first + PART)) for first in range(0, max(len(sample), 1), PART)
     ]
+    # A single part is not worth a process of its own.
+    runner = executor if len(parts) > 1 else SERIAL
     found = []
     for part, terms in zip(
-        parts, executor.distribute(_terms_of_part, (estimator, about), parts), strict=True
+        parts, runner.distribute(_terms_of_part, (estimator, about), parts), strict=True
     ):
         found.append(terms)
         if meter is not None:
@@ -115,7 +118,7 @@ def _terms_of_part(setting: tuple[Estimator, complex], part: Sample) -> Terms:
 
 
 def within_reach(shear: complex) -> complex:
-    """Return the shear, or one of modulus ``LARGEST`` in its direction: that of few galaxies may be wild."""
+    """Return the shear, or one of modulus ``LARGEST`` in its direction: the shear of few galaxies may be larger."""
     return shear * min(1.0, LARGEST / max(abs(shear), 1e-12))
 
 
@@ -132,7 +135,7 @@ def _by_flux(
         try:
             found = _estimate(estimator, sample.select(inside), executor, meter)
         except InputError:
-            # Too few of them tell anything of the shear.
+            # Too few of them contribute to the shear.
             continue
         if found.n >= FEWEST:
             yield flux_bin.name, found

@@ -17,23 +17,23 @@ from uvshear.typing import Array, Complex
 class Estimator(ABC):
     """An estimator of the shear as a ratio of sums over sources.
 
-    The facet of a source gives the numbers that are kept of it (:meth:`statistic`); these and the table of shapes give
-    the terms of the two sums (:meth:`terms`). A subclass is best a frozen dataclass. Its fields ``population``,
-    ``fits_population``, ``position_sigma``, ``wrapped`` and ``seed``, if it has them, are set by the options of the
-    commands.
+    The numbers that are kept for a source are computed from its facet (:meth:`statistic`); these and the table of
+    shapes give the terms of the two sums (:meth:`terms`). A subclass should be a frozen dataclass. Its fields
+    ``population``, ``fits_population``, ``position_sigma``, ``wrapped`` and ``seed``, if it has them, are set by the
+    options of the commands.
 
     Attributes
     ----------
     name
         Name of the estimator in options and files.
     columns
-        Statistics that are kept of every source beside its shape, by name; none where the shapes are enough.
+        Statistics that are kept for every source besides its shape, by name; none where the shapes are enough.
     shape_columns
         Columns of the table of shapes that the terms need.
     is_expanded
         Whether the terms are an expansion about a shear, so that the ratio is iterated.
     remark
-        A line for the terminal with what a user must know of every estimate; empty if there is nothing to say.
+        Sentence for the terminal that a user must know about every estimate; empty if there is none.
     """
 
     name: ClassVar[str]
@@ -43,14 +43,14 @@ class Estimator(ABC):
     remark: ClassVar[str] = ""
 
     def statistic(self, source: SourceFacet) -> Kept | None:
-        """Return the numbers of ``columns`` that are kept of a source; None where it has none."""
+        """Return the numbers of ``columns`` that are kept for a source; None where it has none."""
         del source
         return {}
 
     def numbers(self, source: SourceFacet) -> Mapping[str, object] | None:
-        """Return what :meth:`terms` needs of the facet of a simulated source: its statistic, unless overridden.
+        """Return the numbers of a simulated source that :meth:`terms` needs: its statistic, unless overridden.
 
-        An estimator that packs its statistic for the file spares a simulated sample the packing.
+        An estimator that packs its statistic for files can leave out the packing here.
         """
         return self.statistic(source)
 
@@ -58,7 +58,7 @@ class Estimator(ABC):
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
         """Return the terms of every source of a sample.
 
-        The terms of a source depend on that source alone: a sample is worked on in parts.
+        The terms of a source must depend on that source alone, because a sample is divided into parts.
 
         Parameters
         ----------
@@ -75,25 +75,25 @@ class Estimator(ABC):
 
     @property
     def is_learning(self) -> bool:
-        """Whether the estimator first learns something from the sample (:meth:`trained`)."""
+        """Whether the estimator must first be trained on the sample (:meth:`trained`)."""
         return False
 
     @property
     def learner(self) -> "Estimator":
-        """The estimator whose numbers :meth:`trained` needs; another one only of an estimator that wraps it."""
+        """The estimator whose numbers :meth:`trained` needs: this one, or the one that it wraps."""
         return self
 
     def trained(self, sample: Sample, about: complex, meter: Meter | None = None) -> Self:
-        """Return the estimator with what it learns from a sample.
+        """Return the estimator after it is trained on a sample.
 
         Parameters
         ----------
         sample
             Sources with the numbers of :attr:`learner`.
         about
-            Shear that the sample is behind, in the frame of the sky.
+            Shear of the sample, in the frame of the sky.
         meter
-            Counts the sources that were worked on.
+            Meter that counts the processed sources.
         """
         del sample, about, meter
         return self
@@ -104,7 +104,7 @@ class Estimator(ABC):
         return Jackknife()
 
     def record(self) -> dict[str, object]:
-        """Return what the estimator assumes, as names and values for a JSON file."""
+        """Return the assumptions of the estimator, as names and values for a JSON file."""
         return {}
 
 

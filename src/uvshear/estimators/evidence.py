@@ -1,7 +1,7 @@
 r"""The probability of a galaxy's data given the shear, its gradient and its curvature.
 
 Each galaxy has a likelihood L over (e, ln alpha), marginalised over position and flux. Galaxies behind a shear g are
-those of the unlensed population, mapped by the lens. With
+galaxies of the unlensed population, mapped by the lens. With
 
 .. math::
     e_s = \frac{e - g}{1 - g^* e},\quad r = \frac{1 - |g|^2}{|1 - g^* e|^2},\quad
@@ -13,13 +13,13 @@ the density of (e, ln alpha, S) is p(e_s) r^2 p(ln alpha_s | S) p(S), where p(e)
     P(D|g) = \int L\, p,\quad q = \nabla \ln P,\quad h = -\nabla\nabla \ln P,\quad
     \hat g = g_0 + \Big(\sum h\Big)^{-1} \sum q
 
-where q and h are taken at g_0, which is then set to the estimate (Bernstein & Armstrong 2014, eq. 8 to 12, about
-g = 0; Sheldon 2014). An expansion about zero alone would not do: the core of the distribution of ellipticities is 0.07
-wide, so that the third order in the shear gives m = 0.01 at \|g\| = 0.03.
+where q and h are taken at g_0, which is then set to the estimate (Bernstein & Armstrong 2014, eq. 8 to 12, about g = 0;
+Sheldon 2014). An expansion about zero would not be enough: the core of the distribution of ellipticities is 0.07 wide,
+so that the third order in the shear gives m = 0.01 at \|g\| = 0.03.
 
-The variable of integration is the unlensed e_s. The population then does not depend on g, its nodes can be chosen for
-its core, its kink at zero and its end, and g moves the smooth likelihood instead. Between the nodes of its lattice the
-likelihood, integrated over ln alpha and S with their priors, is interpolated by a quintic spline.
+The variable of integration is the unlensed e_s. The population then does not depend on g, and the nodes of the integral
+can be chosen for its core, its kink at zero and its maximum; g moves the smooth likelihood instead. The likelihood,
+integrated over ln alpha and S with their priors, is interpolated between the nodes of its lattice by a quintic spline.
 """
 
 import math
@@ -40,11 +40,11 @@ WIDEST_STEP = 0.01
 """Largest step of the differences in g."""
 
 RINGING = 0.05
-"""Ratio of the negative part of the evidence to the evidence above which the galaxy is taken to say nothing.
+"""Ratio of the negative part of the evidence to the evidence above which a galaxy counts as uninformative.
 
-Where the likelihood of a galaxy lies almost wholly outside the population's disc, and is lower by decades inside, the
-integral is dominated by the ringing of the spline. One measurement of 63 000 had a curvature of thousands; among 1214
-others the ratio never exceeded 0.006."""
+Where the likelihood of a galaxy lies almost entirely outside the population's disc of ellipticities, and is lower by
+orders of magnitude inside, the integral is dominated by the ringing of the spline. One measurement of 63 000 had a
+curvature of thousands; among 1214 others the ratio never exceeded 0.006."""
 
 _REACH = 5.0
 """Standard deviations of e and of the flux to either side over which the integrals are taken."""
@@ -75,7 +75,7 @@ def evidence_and_gradient(
     Parameters
     ----------
     about
-        Shear that the galaxy is behind, in the frame of its likelihood.
+        Shear of the galaxy, in the frame of its likelihood.
     sides
         Pairs of ellipticity priors to either side of the population's, with the same maximum: one pair for each
         parameter of the ellipticity prior.
@@ -129,7 +129,7 @@ def gradient_and_curvature(
 
 
 def _rings(parts: Float[Array, " node"]) -> bool:
-    """Tell whether so much of the evidence is negative that it comes from the ringing of the spline."""
+    """Tell whether the evidence is dominated by the ringing of the spline, judging by its negative part."""
     return bool(-parts[parts < 0].sum() > RINGING * parts.sum())
 
 
@@ -168,7 +168,7 @@ class _Surface:
         self.reach = _REACH * self.sigma
 
     def at(self, unlensed: Complex[Array, " node"], g: complex) -> Float[Array, " node"]:
-        """Evaluate it at the ellipticities to which a shear takes galaxies of these unlensed ones."""
+        """Evaluate it at the ellipticities of galaxies with these unlensed ellipticities behind a shear."""
         value, slope, bend = self.parts(unlensed, g)
         e = _lensed(unlensed, g)
         further = _log_stretch(e, g) - _log_stretch(e, self._about)
@@ -177,7 +177,7 @@ class _Surface:
     def parts(
         self, unlensed: Complex[Array, " node"], g: complex
     ) -> tuple[Float[Array, " node"], ...]:
-        """Evaluate it with the sizes of the shear of the expansion, and its first two derivatives by ln alpha."""
+        """Evaluate it with the sizes at the shear of the expansion, and its first two derivatives by ln alpha."""
         e = _lensed(unlensed, g)
         place = self._to_column @ (np.stack([e.real, e.imag]) - self._first[:, None])
         return tuple(

@@ -30,9 +30,9 @@ class Mean(Estimator):
     name = "mean"
     shape_columns = ("e1", "e2", "weight")
     remark = (
-        "noise biases the mean of ellipticities: the shear comes out about 10 per cent too small at a"
-        " signal-to-noise ratio of 10; `--estimator moments` and `--estimator bayesian` have no"
-        " such bias"
+        "noise biases the mean of ellipticities: the shear is about 10 per cent too small for galaxies"
+        " with signal-to-noise ratios of 10 and more; `--estimator moments` and `--estimator bayesian`"
+        " have no such bias"
     )
 
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:

@@ -1,4 +1,4 @@
-"""Metacalibration: another estimator behind a round beam, with its response to a shear of the data themselves."""
+"""Metacalibration: an estimator behind a round beam, whose response is measured by shearing the data."""
 
 import math
 from collections.abc import Callable
@@ -22,17 +22,17 @@ _LONGEST = REACH * WIDEST * (1 + STEP)
 """Longest baseline that a round beam may need [wavelengths]."""
 
 _Beam: TypeAlias = tuple[int, float, tuple[float, ...]]
-"""Size of a facet, its longest baseline and the shape of its beam: sources that share these share a round beam."""
+"""Size of a facet, its longest baseline and the shape of its beam; sources that agree in these share a round beam."""
 
 _Measure: TypeAlias = Callable[[Facet], Float[Array, " 2"] | None]
 
 
 @dataclass(frozen=True)
 class Metacal(Estimator):
-    """Terms of another estimator behind a round beam, with their response from differences between sheared data.
+    """Terms of a wrapped estimator behind a round beam, with responses from differences between sheared data.
 
-    The response is that at zero shear, so that the third order in the shear is left in the ratio: it gives moments
-    m = 0.002 at a shear of 0.03.
+    The response is that at zero shear, so that the ratio is wrong by the third order in the shear: for moments m =
+    0.002 at a shear of 0.03.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Metacal(Estimator):
     }
 
     def statistic(self, source: SourceFacet) -> Kept | None:
-        """Measure the source behind the round beam, once as it is and four times behind small shears."""
+        """Measure the source behind the round beam, once unsheared and four times with small shears."""
         noise = source.draw_noise(self.seed)
         longest = min(source.cells.longest, _LONGEST)
         is_near = np.hypot(*source.facet.uv.T) <= longest
@@ -99,11 +99,11 @@ class Metacal(Estimator):
         return self.wrapped.learner
 
     def trained(self, sample: Sample, about: complex, meter: Meter | None = None) -> Self:
-        """Return metacalibration of the wrapped estimator with what that learns."""
+        """Return the metacalibration of the wrapped estimator after it is trained."""
         return replace(self, wrapped=self.wrapped.trained(sample, about, meter))
 
     def record(self) -> dict[str, object]:
-        """Return the name of the wrapped estimator, and what that assumes."""
+        """Return the name and the assumptions of the wrapped estimator."""
         return {"wraps": self.wrapped.name, **self.wrapped.record()}
 
 
@@ -132,14 +132,14 @@ def _differences(
 
 @dataclass(frozen=True)
 class _RoundBeam:
-    """The round beam for facets of one size and one beam.
+    """The round beam for facets with one size and one dirty beam.
 
     Parameters
     ----------
     total
         Sum of the power of the facet for which it was made [Jy^-2].
     metacalibration
-        Takes facets behind the round beam, as they are and sheared.
+        Makes the facets behind the round beam, with and without a shear.
     cells
         Cells of the facets behind the round beam.
     """

@@ -23,7 +23,7 @@ _LONGEST = 1.5 * REACH * SCALE
 """Longest baseline to which the weight function may reach [wavelengths], whatever the error of the position."""
 
 _Beam = tuple[int, float, tuple[float, ...]]
-"""Size of a facet, its longest baseline and the shape of its beam: sources that share these share a functional."""
+"""Size of a facet, its longest baseline and the shape of its beam; sources that agree in these share a functional."""
 
 
 @dataclass(frozen=True)
@@ -46,16 +46,16 @@ class Moments(Estimator):
 
     name = "moments"
     columns: ClassVar = {
-        "m1": Column("moment of u^2 - v^2, weight exp(-k^2/2s^2), s = 15000 wavelengths", "Jy"),
+        "m1": Column("moment of u^2 - v^2 with weight exp(-k^2/2s^2), s = 15000 wavelengths", "Jy"),
         "m2": Column("moment of 2uv", "Jy"),
         "m_size": Column("moment of u^2 + v^2", "Jy"),
         "r11": Column("derivative of m1 by the first component of the shear", "Jy"),
         "r12": Column("derivative of m1 by the second component, and of m2 by the first", "Jy"),
         "r22": Column("derivative of m2 by the second component of the shear", "Jy"),
-        "r_third": Column("third order of m1 and m2 in the shear", "Jy"),
-        "m1_var": Column("variance of m1 by noise", "Jy2"),
-        "m2_var": Column("variance of m2 by noise", "Jy2"),
-        "m12_cov": Column("covariance of m1 and m2 by noise", "Jy2"),
+        "r_third": Column("coefficient of the third order of m1 and m2 in the shear", "Jy"),
+        "m1_var": Column("variance of m1 due to noise", "Jy2"),
+        "m2_var": Column("variance of m2 due to noise", "Jy2"),
+        "m12_cov": Column("covariance of m1 and m2 due to noise", "Jy2"),
     }
     shape_columns = ("flux",)
     is_expanded = True
@@ -113,12 +113,11 @@ class Moments(Estimator):
 def moment_weight(
     flux: Float[Array, " source"], variance: Float[Array, " source"]
 ) -> Float[Array, " source"]:
-    r"""Weight of a galaxy's moments, from its catalogue's flux [Jy] and the noise variance of M [Jy^2].
+    r"""Weight of a galaxy's moments, from its flux in the catalogue [Jy] and the noise variance of M [Jy^2].
 
     .. math:: w = \frac{R}{\sigma_e^2 R^2 + \sigma_M^2},\quad R = 1.5 S
 
-    It depends only on quantities that neither the shear nor the noise of the moments changes: a fitted flux would not
-    do.
+    It depends only on quantities that neither the shear nor the noise of the moments changes, unlike a fitted flux.
     """
     response = RESPONSE * flux
     return response / (ELLIPTICITY_SCATTER**2 * response**2 + variance)

@@ -1,4 +1,4 @@
-"""Likelihoods in a few kilobytes.
+"""Packing of likelihoods into a few kilobytes.
 
 The lattice is described by its columns along ln alpha, the log likelihood is rounded to thousandths, and the flux and
 the logarithm of its variance are polynomials of the coordinates of the nodes.
@@ -16,7 +16,7 @@ _UNIT = 1e-3
 """Unit of the packed log likelihood: rounding changes the likelihood by up to one part in 2000."""
 
 _DEEPEST = 32.0
-"""Log likelihood below the maximum at which it is cut off: more does not fit into 16 bits."""
+"""Log likelihood below the maximum at which it is cut off: a larger range does not fit into 16 bits."""
 
 _DEGREE = 4
 """Degree of the polynomials of the flux and of its variance."""
@@ -108,7 +108,7 @@ def _fit(
 def _evaluate(
     point: Int[Array, "node 3"], coefficients: Float[Array, "2 term"]
 ) -> Float[Array, "2 node"]:
-    """Evaluate two such sums, first on the whole box, axis by axis, and then at the nodes."""
+    """Evaluate two sums of such products, first on the whole box, axis by axis, and then at the nodes."""
     place, (first, second, third) = _legendre(point)
     degrees = np.zeros((2, *[_DEGREE + 1] * 3))
     degrees[:, _FIRST, _SECOND, _THIRD] = coefficients

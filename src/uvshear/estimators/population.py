@@ -1,4 +1,4 @@
-"""The galaxies behind a lens, before they are lensed."""
+"""The population of galaxies before they are lensed."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ PARAMETERS: Final[Mapping[str, Mapping[str, str]]] = {
 
 @dataclass(frozen=True)
 class UnlensedPopulation:
-    """Distributions of the properties of galaxies without a lens.
+    """Distributions of the properties of unlensed galaxies.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class UnlensedPopulation:
     ellipticity: EllipticityPrior = field(default_factory=DiscEllipticityPrior)
 
     def record(self) -> PopulationRecord:
-        """Return the parameters for a file; a distribution of ellipticities of the user's own is left out."""
+        """Return the parameters for a file; a user's own distribution of ellipticities is left out."""
         record: PopulationRecord = {}
         for part, names in PARAMETERS.items():
             distribution = getattr(self, part)

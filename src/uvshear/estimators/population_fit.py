@@ -1,10 +1,9 @@
-r"""Fit of the population to the very galaxies that are lensed: their sizes and ellipticities.
+r"""Fit of the sizes and ellipticities of the population to the lensed galaxies themselves.
 
 The parameters theta are the intercept of the size-flux relation and the logarithms of its scatter and of the two scales
 of the distribution of ellipticities; P(D|g, theta) is the evidence of ``estimators.evidence``. A small sample does not
 determine all of them: a hundred galaxies do not show how round the roundest are. Therefore theta has a normal prior
-about its start, by which the population is taken to be like the first guess within a factor of e. The sum of the
-logarithms is maximised by steps
+about its first guess, with a standard deviation of w in its logarithm. The sum of the logarithms is maximised by steps
 
 .. math::
     \delta\theta = C\,\Big(\sum s_i - \frac{\theta - \theta_0}{w^2}\Big),\quad
@@ -39,13 +38,13 @@ LONGEST = 0.4
 """Longest step of a parameter."""
 
 _ROUNDS, _FORESEEN = 20, 6
-"""Largest number of steps, and the number that is usual."""
+"""Largest number of steps, and the usual number."""
 
 _TOLERANCE = 0.1
 """Step over its standard error below which the maximum is taken as reached."""
 
 LensedLikelihood: TypeAlias = tuple[ShapeLikelihood, complex]
-"""Likelihood of a galaxy's shape, and the shear that the galaxy is behind, both in the frame of (l, m)."""
+"""Likelihood of a galaxy's shape, and the shear of the galaxy, both in the frame of (l, m)."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ class FittedPopulation:
 
 
 def moved(population: UnlensedPopulation, step: Float[Array, " parameter"]) -> UnlensedPopulation:
-    """Return a population a step away in ln of the size, of its scatter, and of both scales of the ellipticities.
+    """Return the population after a step in ln of the size, of its scatter, and of both scales of the ellipticities.
 
     A distribution of ellipticities other than ``DiscEllipticityPrior`` has no such scales and stays as it is.
     """
@@ -104,7 +103,7 @@ def fit_population(
     start: UnlensedPopulation,
     meter: Meter | None = None,
 ) -> FittedPopulation:
-    """Fit size and ellipticity of the population to galaxies, each with the shear that it is behind.
+    """Fit the sizes and ellipticities of the population to galaxies, each with its shear.
 
     Parameters
     ----------
@@ -112,7 +111,7 @@ def fit_population(
         First guess of the population, about which the parameters have their prior. Its fluxes are not fitted, nor are
         ellipticities of another kind than ``DiscEllipticityPrior``.
     meter
-        Counts galaxies.
+        Meter that counts the processed galaxies.
 
     Raises
     ------
@@ -122,7 +121,7 @@ def fit_population(
     count = 4 if isinstance(start.ellipticity, DiscEllipticityPrior) else 2
     if len(galaxies) < 10 * count:
         raise InputError(
-            f"{len(galaxies)} galaxies: a population is fitted to {10 * count} or more"
+            f"{len(galaxies)} galaxies are too few to fit a population; {10 * count} or more are needed"
         )
     meter = meter or Meter(None)
     meter.expect(_FORESEEN * len(galaxies))
@@ -136,7 +135,7 @@ def fit_population(
         if is_there:
             return FittedPopulation(moved(start, theta), covariance)
     raise InputError(
-        f"no population was found in {_ROUNDS} steps: the galaxies are of another kind, or too few"
+        f"no population was found in {_ROUNDS} steps: the galaxies are too few, or too unlike the first guess"
     )
 
 

@@ -1,4 +1,4 @@
-"""The sources that an estimator of the shear is given: columns of numbers, one row for each source."""
+"""The sources from which a shear is estimated: columns of numbers, one row for each source."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,12 +9,12 @@ import numpy as np
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
 Row: TypeAlias = dict[str, object]
-"""Numbers of one source by column: a float, or an object that is worth several numbers."""
+"""Numbers of one source by column: a float, or an object that stands for several numbers."""
 
 
 @dataclass(frozen=True)
 class Sample:
-    """Sources with the numbers that were measured or kept of them.
+    """Sources with their measured numbers and statistics.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ class Sample:
         are those of the table of shapes and of the estimators' statistics.
     local_north
         Angle of local North at each source, from the m axis towards +l [rad] (``geometry.directions.local_north``). It
-        turns terms from the frame of (l, m) to that of the sky.
+        rotates terms from the frame of (l, m) to that of the sky.
     """
 
     columns: Mapping[str, Array]

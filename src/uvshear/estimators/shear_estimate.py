@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 SKY: Final = "sky"
-"""Frame of local North at each source: g1 and g2 as TreeCorr takes them on (RA, Dec)."""
+"""Frame of local North at each source: g1 and g2 in TreeCorr's convention for (RA, Dec)."""
 
 
 @dataclass(frozen=True)

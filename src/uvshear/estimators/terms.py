@@ -24,8 +24,8 @@ class Terms:
     value
         The numbers v of each source; NaN where they are not known.
     response
-        The response R of each source, the last index being that of the component of the shear. It is zero where the
-        source tells nothing of the shear.
+        The response R of each source; the last index is that of the component of the shear. It is zero where the source
+        does not contribute to the shear.
     """
 
     value: Float[Array, "source 2"]
@@ -36,7 +36,7 @@ class Terms:
 
     @property
     def tells(self) -> Bool[Array, " source"]:
-        """Mask of the sources that tell anything of the shear."""
+        """Mask of the sources that contribute to the shear."""
         is_finite = np.isfinite(self.value).all(axis=1) & np.isfinite(self.response).all(
             axis=(1, 2)
         )
@@ -53,7 +53,7 @@ class Terms:
     def in_sky_frame(self, local_north: Float[Array, " source"]) -> Self:
         r"""Return terms of the frame of (l, m) in the frame of the sky.
 
-        The components of a shear are turned by a symmetric matrix T that is its own inverse, and so
+        The components of a shear are transformed by a symmetric matrix T that is its own inverse, so that
 
         .. math:: v' = T v,\quad R' = T R T,\quad T = \begin{pmatrix} \cos 2\psi & -\sin 2\psi \\
                   -\sin 2\psi & -\cos 2\psi \end{pmatrix}

@@ -10,7 +10,7 @@ from uvshear.typing import Array, Float
 
 
 class Uncertainty(ABC):
-    """A method that finds the standard errors of a shear."""
+    """A method of estimating the standard errors of a shear."""
 
     @abstractmethod
     def error(self, terms: Terms) -> Float[Array, " 2"]:
@@ -24,7 +24,7 @@ class Jackknife(Uncertainty):
     Parameters
     ----------
     blocks
-        Number of blocks, to which sources are dealt out in turn.
+        Number of blocks, to which sources are assigned in turn.
     """
 
     blocks: int = 100
@@ -71,7 +71,7 @@ class Bootstrap(Uncertainty):
 
 
 def ratio(terms: Terms) -> Float[Array, " 2"]:
-    """Return the ratio of the sums, to which the shear of the expansion is yet to be added."""
+    """Return the ratio of the sums, without the shear of the expansion."""
     return np.linalg.solve(terms.response.sum(axis=0), terms.value.sum(axis=0))
 
 

@@ -1,4 +1,4 @@
-"""From visibilities to images and back: pixels, tiles of the sky, facets cut out of images, and the gridder."""
+"""From visibilities to images and back: pixels, tiles of the sky, cutouts of images as facets, and the gridder."""
 
 from uvshear.imaging.dirty_image import dirty_image
 from uvshear.imaging.grid import ImageGrid

@@ -19,7 +19,8 @@ MOST_BANDS = 4
 """Largest number of bands."""
 
 FEWEST_PIXELS = 512
-"""Smallest image of the whole field for which a band is worth while; a smaller one joins the next longer band."""
+"""Smallest image of the whole field for which a band is worthwhile; a band with a smaller one joins the next longer
+band."""
 
 
 @dataclass(frozen=True)

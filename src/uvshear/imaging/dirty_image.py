@@ -35,9 +35,9 @@ def dirty_image(
     grid
         Pixels of the image.
     with_w
-        Whether the term w (n - 1) counts.
+        Whether the term w (n - 1) is included.
     mask
-        Visibilities that take part; all unless given.
+        Visibilities that are used; all unless given.
     epsilon
         Relative error in the root mean square. The image has single precision for complex64 visibilities
         (``epsilon`` >= 1e-5), double precision otherwise.

@@ -1,4 +1,4 @@
-"""Fourier transforms between visibilities and images: the only importer of ducc0, and the only place with its signs.
+"""Fourier transforms between visibilities and images: the only module that imports ducc0 and knows its signs.
 
 Everywhere else a source at (l, m) has visibilities exp(+2 pi i [u l + v m + w (n - 1)]). The gridder's kernel is
 exp(+2 pi i [u x + v y - w (n - 1)]) in its images, so that the signs of u and v turn it into ours.
@@ -48,9 +48,9 @@ def grid(
     epsilon
         Relative error in the root mean square, at least 1e-5 for single precision.
     with_w
-        Whether the term w (n - 1) counts.
+        Whether the term w (n - 1) is included.
     mask
-        Visibilities that take part; all unless given.
+        Visibilities that are used; all unless given.
     executor
         Its number of workers is the gridder's number of threads.
     """
@@ -91,7 +91,7 @@ def degrid(
     epsilon
         Relative error in the root mean square, at least 1e-5 for single precision.
     with_w
-        Whether the term w (n - 1) counts.
+        Whether the term w (n - 1) is included.
     executor
         Its number of workers is the gridder's number of threads.
     """

@@ -24,7 +24,7 @@ def shift_phase_centre(
     frequency
         Channel centres [Hz].
     vis
-        Visibilities, whose dtype the result has.
+        Visibilities; the result has their dtype.
     l, m
         Direction cosines of the new phase centre.
     """

@@ -14,7 +14,7 @@ from uvshear.imaging.kernels import to_tangent_plane
 from uvshear.typing import Array, Complex, Float
 
 NEGLIGIBLE_PHASE = 0.01
-"""Phase pi w x^2 in the corner of a tile up to which all baselines are taken to lie in one plane [rad]."""
+"""Phase pi w x^2 in the corner of a tile below which all baselines are assumed to lie in one plane [rad]."""
 
 IN_WAVELENGTHS = np.array([SPEED_OF_LIGHT])
 """Frequency at which a baseline of one metre is one wavelength long [Hz]."""
@@ -81,7 +81,7 @@ class TangentPlane:
     def beam(
         self, weights: Complex[Array, " sample"], size: int, pixel: float, epsilon: float
     ) -> Float[Array, "l m"]:
-        """Image of a unit point source at the direction; w is negligible so near to it, and left out.
+        """Image of a unit point source at the direction; w is neglected, since the image is small.
 
         Parameters
         ----------

@@ -26,7 +26,7 @@ class Tile:
     Parameters
     ----------
     band
-        Number of the band, from the finest on.
+        Number of the band, counted from the finest.
     origin
         Lattice point of the first pixel.
     size
@@ -67,7 +67,7 @@ class Footprint:
 
 
 def plan_tiles(footprint: Footprint, pixel: float, bands: int) -> tuple[tuple[Tile, ...], ...]:
-    """Plan the tiles of each band, from the finest on; parts of the sky without sources have none.
+    """Plan the tiles of each band, beginning with the finest; parts of the sky without sources have none.
 
     Parameters
     ----------

@@ -141,6 +141,7 @@ def synthesise(layout: ArrayLayout, track: Track) -> Coverage:
         w &= \cos\delta\cos H\,X - \cos\delta\sin H\,Y + \sin\delta\,Z
 
     Notes
+    -----
     ----- The phase centre's ICRS coordinates are used as the apparent coordinates. The samples are placed at the first
     transit after J2000, where this is correct to 5e-5 rad (nutation, aberration, UT1 - UTC).
 

@@ -152,7 +152,7 @@ def _edge(inside: Float[Array, "..."], width: float) -> Float[Array, "..."]:
 NO_WEIGHT = "no visibility carries weight; a wider uv range, or another weighting, is needed"
 
 MOST_CELLS = 2**28
-"""Most cells of a grid of densities: 2 GB."""
+"""Largest number of cells of a grid of densities: 2 GB."""
 
 
 @dataclass(frozen=True)

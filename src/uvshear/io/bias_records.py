@@ -10,18 +10,18 @@ from uvshear.estimators.shear_estimate import SKY
 from uvshear.io.records import finite, read_record
 
 _AS_MEASURED = {"wraps": "mean", "legacy_shear": False, "position_error_arcsec": 0.0}
-"""Options of a bias that agree with every table of shapes."""
+"""Options of a simulated bias that agree with every table of shapes."""
 
 
 def read_correction(path: str | Path) -> BiasCorrection:
     """Read m and c of an estimator, in total and by flux.
 
-    Files of version 0.1.0 do not name a frame. Theirs is that of (l, m), so that c2 changes its sign.
+    Files of version 0.1.0 do not name a frame. Their frame is that of (l, m), so that c2 changes its sign.
 
     Raises
     ------
     InputError
-        The file is damaged, or the bias is not that of measured shapes.
+        The file is damaged, or its bias does not apply to measured shapes.
     """
     path = Path(path)
     record = read_record(path, "a file written by `uvshear bias`")
@@ -30,7 +30,7 @@ def read_correction(path: str | Path) -> BiasCorrection:
         raise InputError(f"{path}: is in the frame '{frame}'; the frame '{SKY}' is needed")
     if (most := record.get("flux_max_ujy")) is not None:
         raise InputError(
-            f"{path}: is the bias of galaxies of no more than {most} uJy; a shear is that of all galaxies"
+            f"{path}: is the bias of galaxies below {most} uJy, but a shear is that of all galaxies"
         )
     for name, usual in _AS_MEASURED.items():
         if (simulated := record.get(name, usual)) not in (usual, None):
@@ -67,7 +67,7 @@ def _pair(path: Path, record: Mapping[str, object], sign: float) -> Pair:
         for i in (1, 2)
     )
     if min(first.m, second.m) <= -1:
-        raise InputError(f"{path}: m is -1 or less: such an estimator does not see the shear")
+        raise InputError(f"{path}: m is -1 or less: such an estimator has no response to a shear")
     return first, second
 
 

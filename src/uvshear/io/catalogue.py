@@ -25,13 +25,13 @@ REFERENCE_FREQUENCY_KEYS = ("reference_frequency", "reffreq", "freq0")
 
 POINT = "point"
 GALAXY = "galaxy"
-"""Words of the column ``profile``. An empty cell and the names of all known profiles stand for a galaxy as well: the
+"""Words of the column ``profile``. An empty cell or the name of any known profile stands for a galaxy as well; the
 profile of the model is an option of the measurement."""
 
 
 @dataclass(frozen=True)
 class Catalogue:
-    """Sources to simulate or to measure, one element each; positions as (ra, dec) or as (l, m).
+    """Sources to simulate or to measure, with one element for each; positions are (ra, dec) or (l, m).
 
     Parameters
     ----------
@@ -50,15 +50,15 @@ class Catalogue:
     ellipticity
         e1 + i e2 in the (l, m) frame, in simulated catalogues; never used in a measurement.
     shear
-        Reduced shear g1 + i g2 of each source in the sky frame, local North as TreeCorr takes RA and Dec, for
-        simulations; None where the catalogue has none. It is not part of ``ellipticity``.
+        Reduced shear g1 + i g2 of each source for simulations, in the frame of local North (TreeCorr's convention for
+        RA and Dec); None where the catalogue has none. It is not part of ``ellipticity``.
     flux_err
         Standard deviation of the flux [Jy], 0 where it is not known; None where the catalogue has none.
     position_err
-        Standard deviation of the position along each axis [rad], 0 where it is not known; or None.
+        Standard deviation of the position along each axis [rad], 0 where it is not known; None where the catalogue has
+        none.
     is_point
-        Whether the source is a star or an active nucleus without size; None where the catalogue has no column
-        ``profile``.
+        Whether the source is an unresolved star or active nucleus; None where the catalogue has no column ``profile``.
     reference_frequency
         Frequency of the fluxes [Hz].
     field_centre
@@ -131,12 +131,12 @@ def read_catalogue(
     flux_unit: str | None = None,
     reference_frequency: float | None = None,
 ) -> Catalogue:
-    """Read a catalogue (ECSV, FITS, VOTable, CSV, ...; catalogues of PyBDSF and Aegean as they are).
+    """Read a catalogue in ECSV, FITS, VOTable, CSV and similar formats, or a source list of PyBDSF or Aegean as it is.
 
     Parameters
     ----------
     flux_unit
-        Unit of a flux column without one (CSV), as astropy spells it.
+        Unit of a flux column that has none (CSV), as astropy spells it.
     reference_frequency
         Frequency of the fluxes [Hz], in place of the one that the file states.
     """
@@ -153,7 +153,7 @@ def catalogue_from_table(
     flux_unit: str | None = None,
     reference_frequency: float | None = None,
 ) -> Catalogue:
-    """Check a table and turn it into a catalogue; errors call it by ``name``."""
+    """Check a table and turn it into a catalogue; error messages call the table by ``name``."""
     if len(table) == 0:
         raise InputError(f"{name}: has no rows; a catalogue of at least one source is needed")
     columns = Columns(in_our_columns(table), name)

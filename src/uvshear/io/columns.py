@@ -47,7 +47,7 @@ class Columns:
         assumed: units.UnitBase | None = None,
         needs_unit: bool = False,
     ) -> Float[Array, " source"]:
-        """Finite numbers in ``unit``; a column without a unit has the ``given`` one, or else the ``assumed`` one."""
+        """Finite numbers in ``unit``; a column without a unit gets the ``given`` one, or else the ``assumed`` one."""
         if not self.has(column):
             raise InputError(
                 f"{self.name}: has no column '{column}' (it has {', '.join(self.names)})"
@@ -72,7 +72,7 @@ class Columns:
     def error(
         self, column: str, unit: units.UnitBase, *, assumed: units.UnitBase
     ) -> Float[Array, " source"]:
-        """Errors in ``unit``; 0 where a source finder gives none, or a number that stands for none (-1)."""
+        """Errors in ``unit``; 0 where a source finder gives none, or gives -1, which means none."""
         values = self.table[self._spelling[column]]
         try:
             plain: Array = np.ma.filled(np.ma.asarray(values, dtype=float), 0.0)
@@ -117,7 +117,7 @@ class Columns:
             return float(units.Unit(found).to(unit))
         except (units.UnitConversionError, ValueError, TypeError) as error:
             raise InputError(
-                f"{self.name}: column '{column}' is in '{found}', which is no unit of"
+                f"{self.name}: column '{column}' is in '{found}', which is not a unit of"
                 f" {'a pure number' if unit == units.dimensionless_unscaled else unit}"
             ) from error
 
@@ -128,7 +128,7 @@ class Columns:
         needed: str,
         values: Shaped[Array, " source"],
     ) -> None:
-        """Raise an error that names the first row that is not good."""
+        """Raise an error that names the first row that is not valid."""
         if not np.all(good):
             row = int(np.argmin(good))
             raise InputError(
@@ -143,7 +143,7 @@ class Columns:
         if isinstance(column, MaskedColumn) and np.any(column.mask):
             raise InputError(
                 f"{self.name}: column 'id', row {int(np.argmax(column.mask)) + 1}: is empty;"
-                " every source needs its own id, or none has one"
+                " every source needs its own id, or the column must be left out"
             )
         identifier = np.asarray(column)
         if identifier.dtype.kind not in "iu":

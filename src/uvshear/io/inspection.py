@@ -1,4 +1,4 @@
-"""The content of a file of visibilities, for people to see before anything is measured."""
+"""The content of a file of visibilities, summarised for a user before anything is measured."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class Telescope:
     antennas
         Number of antennas.
     diameters
-        The different diameters of its dishes, where they are given [m].
+        Distinct diameters of its dishes, where they are given [m].
     """
 
     name: str
@@ -75,8 +75,8 @@ class FieldContent:
     weight_column
         Column that the weights come from; empty where the format has none.
     uvw_agrees
-        Whether UVW, as it is read, is X(ANTENNA1) - X(ANTENNA2) by the antennas' positions; None if neither sign
-        fits, or where nobody has looked.
+        Whether UVW, as it is read, is X(ANTENNA1) - X(ANTENNA2) by the antennas' positions; None if neither sign fits,
+        or if this was not checked.
     """
 
     phase_centre: PhaseCentre
@@ -107,7 +107,7 @@ class Inspection:
     fields
         Content of each field.
     telescope
-        Array that observed; None where the format does not tell it.
+        Array that observed; None where the format does not name it.
     columns
         Names of the columns that hold visibilities, in formats that have columns.
     windows
@@ -121,7 +121,7 @@ class Inspection:
 
 
 def inspect_observation(observation: Observation) -> Inspection:
-    """Read an observation once for what can be told of any format."""
+    """Read an observation once for the content that can be found in any format."""
     quality, ranges = examine(observation, observation.chunks())
     return Inspection((FieldContent(observation.phase_centre, quality, ranges),))
 

@@ -35,7 +35,7 @@ BYTES_PER_SAMPLE: Final = 32
 """Memory that a sample of one correlation takes while it is read and combined."""
 
 BYTES_PER_ROW: Final = 64
-"""Memory that a row takes besides its samples: UVW, antennas, identifiers."""
+"""Memory that a row takes in addition to its samples: UVW, antennas, identifiers."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class MeasurementSet:
     memory
         Size of a chunk's buffers, whatever the number of rows [bytes].
     heeds_flags
-        Whether flagged visibilities are left out; False is for a look at a set whose flags are wrong.
+        Whether flagged visibilities are left out; False is meant for a first look at a set whose flags are wrong.
     scans
         SCAN_NUMBERs to read; all unless given.
     conjugates
@@ -145,13 +145,13 @@ class MeasurementSet:
         return Origin(self, str(self.path))
 
     def notices(self) -> tuple[str, ...]:
-        """Return what the metadata tell a user who measures this set."""
+        """Return the facts in the metadata that a user of this set should know."""
         found = []
         if self.header.weight_column == "SIGMA":
-            found.append("no WEIGHT above zero; the weights are 1/SIGMA^2")
+            found.append("WEIGHT has no value above zero; the weights are 1/SIGMA^2")
         if self.uvw_agrees() is False:
             found.append(
-                "UVW is X(ANTENNA2) - X(ANTENNA1) by the antennas' positions; it is used as it is stored,"
+                "UVW is X(ANTENNA2) - X(ANTENNA1), judging by the antennas' positions; it is used as it is stored,"
                 " which mirrors the sky if the visibilities follow the opposite sign (--conjugate reverses it)"
             )
         return tuple(found)
@@ -319,11 +319,11 @@ def _check_usable(path: Path, counts: SampleCounts) -> None:
         return
     if not counts.rows:
         raise InputError(
-            f"{path}: holds autocorrelations alone; baselines between antennas are needed"
+            f"{path}: holds only autocorrelations; baselines between antennas are needed"
         )
     if counts.flagged == counts.samples:
         raise InputError(f"{path}: all visibilities are flagged; there is nothing to measure")
     raise InputError(
-        f"{path}: no visibility is usable: of {counts.samples}, {counts.flagged} are flagged,"
+        f"{path}: no visibility is usable: of {counts.samples} visibilities, {counts.flagged} are flagged,"
         f" {counts.non_finite} not finite, {counts.non_positive_weights} without positive weight"
     )

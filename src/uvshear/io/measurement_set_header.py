@@ -1,4 +1,4 @@
-"""Metadata of a Measurement Set, checked: everything but the rows."""
+"""Metadata of a Measurement Set, with checks: everything but the rows."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -125,7 +125,7 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
 
 
 def check_is_measurement_set(path: Path) -> None:
-    """Refuse a path that is no Measurement Set, and say what it is instead."""
+    """Refuse a path that is not a Measurement Set, and say what it is instead."""
     if not path.exists():
         raise InputError(f"{path}: no such file; the path of a Measurement Set is needed")
     if not (path / "table.dat").is_file():
@@ -163,7 +163,7 @@ def check_subtracted(path: Path, column: str, subtracted: str) -> None:
             shapes = [main.getcell(name, 0).shape for name in (column, subtracted)]
     if shapes[0] != shapes[1]:
         raise InputError(
-            f"{path}: column {subtracted} has {shapes[1]} channels and correlations in its first row,"
+            f"{path}: column {subtracted} has {shapes[1]} channels and correlations in its first row, and"
             f" {column} {shapes[0]}; they must be the same"
         )
 
@@ -174,8 +174,8 @@ def _check_columns(path: Path, main: tables.table, column: str) -> None:
     missing = [name for name in NEEDED_COLUMNS if name not in present]
     if missing:
         raise InputError(
-            f"{path}: no column {', '.join(missing)};"
-            " every Measurement Set has it, this one is damaged"
+            f"{path}: has no column {', '.join(missing)};"
+            " every Measurement Set has it, so that this one is damaged"
         )
 
 
@@ -219,7 +219,7 @@ def _choose_field(path: Path, main: tables.table, field: int | str | None) -> tu
             raise InputError(f"{path}: no rows of field {field}; there are {listed}")
         chosen = matching[0]
     if present[chosen] is None:
-        raise InputError(f"{path}: FIELD_ID {chosen} has no row in FIELD, so no phase centre")
+        raise InputError(f"{path}: FIELD_ID {chosen} has no row in FIELD, and so no phase centre")
     return chosen, len(present) == 1
 
 
@@ -235,7 +235,7 @@ def check_scans(path: Path, scans: Sequence[int]) -> None:
 
 
 def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCentre:
-    """Read a direction of a field that stands still."""
+    """Read a direction of a field that does not move."""
     with open_table(path, "FIELD") as fields:
         if column not in fields.colnames() or not fields.iscelldefined(column, field):
             raise InputError(f"{path}: FIELD has no {column} for field {field}; it needs one")
@@ -249,7 +249,7 @@ def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCe
         )
     if len(direction) > 2 and np.any(direction[2:] != 0):
         raise InputError(
-            f"{path}: field {field} moves ({column} is a polynomial in time); it must stand still"
+            f"{path}: field {field} moves ({column} is a polynomial in time); a fixed direction is needed"
         )
     ra, dec = (float(angle) for angle in direction[:2])
     if not (math.isfinite(ra) and abs(dec) <= math.pi / 2):
@@ -258,7 +258,7 @@ def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCe
 
 
 def read_pointing(path: Path, field: int) -> PhaseCentre:
-    """Read where the dishes pointed in a field.
+    """Read the pointing direction of the dishes in a field.
 
     That is REFERENCE_DIR of FIELD, or DELAY_DIR in a set without: a change of the phase centre after the observation
     changes PHASE_DIR only. A set with neither is taken to have the phase centre of the observation.

@@ -80,7 +80,7 @@ def _check_target(target: Path, overwrite: bool) -> None:
     check_output(target, overwrite=overwrite)
     if target.exists() and not (target / "table.dat").is_file():
         raise InputError(
-            f"{target}: is not a Measurement Set, and is not overwritten; choose another name"
+            f"{target}: is not a Measurement Set, and will not be overwritten; choose another name"
         )
 
 
@@ -105,7 +105,7 @@ def _written_whole(target: Path) -> Iterator[Path]:
 
 
 def _exchange(written: Path, target: Path, replaced: Path) -> None:
-    """Put the new set in the place of the old one, which stays there if this fails."""
+    """Put the new set in the place of the old one, which stays in place if this fails."""
     try:
         if target.exists():
             target.rename(replaced)

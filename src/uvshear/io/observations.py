@@ -16,14 +16,14 @@ def open_observation(
     reading: Reading | None = None,
     prepared: Callable[[Observation], Observation] | None = None,
 ) -> Observation:
-    """Open one file of visibilities, or several of the same phase centre; readers are chosen by format.
+    """Open one file of visibilities, or several with the same phase centre; the reader is chosen by format.
 
     Parameters
     ----------
     paths
         One path or several.
     reading
-        Which visibilities of each file are read, and how.
+        Options for reading: which visibilities of each file, and how.
     prepared
         Function applied to the observation of each file before they are joined.
     """

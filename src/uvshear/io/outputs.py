@@ -26,7 +26,7 @@ def unfinished(path: Path) -> Iterator[None]:
 
 
 def remove_unfinished() -> None:
-    """Remove all unfinished outputs, in a process that ends without leaving its blocks."""
+    """Remove all unfinished outputs when a process ends without leaving its blocks."""
     for path in tuple(_unfinished):
         if path.is_dir() and not path.is_symlink():
             # Another thread may still be writing files into the directory.
@@ -46,7 +46,7 @@ def check_output(path: Path, *, overwrite: bool) -> None:
 
 
 def check_file(path: Path, *, overwrite: bool, inputs: Sequence[Path] = ()) -> None:
-    """Refuse a target that cannot become a file, or that is an input, before anything is computed for it."""
+    """Refuse a target that cannot be written as a file, or that is an input, before anything is computed for it."""
     check_output(path, overwrite=overwrite)
     if path.exists() and any(path.samefile(file) for file in inputs if file.exists()):
         raise InputError(f"{path}: is an input too; give another name for the output")

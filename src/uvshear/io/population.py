@@ -1,4 +1,4 @@
-"""A population of galaxies in a JSON file: the one that a Bayesian shear assumes, or the one that was fitted.
+"""A population of galaxies in a JSON file: one that a Bayesian estimate is to assume, or one that was fitted.
 
 .. code-block:: json
 
@@ -6,8 +6,8 @@
      "size": {"intercept": -0.93, "slope": 0.33, "sigma": 0.3136},
      "ellipticity": {"c": 0.2298, "e0": 0.0732, "maximum": 0.804}}
 
-Parameters that are left out are the paper's. ``PowerLawFlux``, ``SizeFluxRelation`` and ``DiscEllipticityPrior`` define
-them.
+Parameters that are left out have the paper's values. ``PowerLawFlux``, ``SizeFluxRelation`` and
+``DiscEllipticityPrior`` define them.
 """
 
 import math
@@ -27,13 +27,13 @@ _RANGES = {
     "c": (1e-4, 1e3),
     "e0": (1e-4, 1e3),
 }
-"""Smallest and largest values of parameters: beyond these no population has them, and integrals over it would fail."""
+"""Smallest and largest values of parameters: values beyond these are unphysical, and integrals would fail."""
 
 _ERROR = "_err"
 
 
 def read_population(path: Path | str) -> UnlensedPopulation:
-    """Read a population from a file of its own, or from that of a shear or a bias, which has it as ``population``."""
+    """Read a population from a file of its own, or from the entry ``population`` in the file of a shear or a bias."""
     path = Path(path)
     record = read_record(path, "a population")
     parts = record.get("population", record)
@@ -67,7 +67,7 @@ def _values(path: Path, part: str, values: object) -> Mapping[str, float]:
         low, high = _RANGES.get(name, (-math.inf, math.inf))
         if not low <= value <= high:
             raise InputError(
-                f"{path}: '{part}' has {value:g} as '{name}'; it lies between {low:g} and {high:g}"
+                f"{path}: '{part}' has {value:g} as '{name}'; it must be between {low:g} and {high:g}"
             )
         found[fields[name]] = value * unit_of(name)
     return found

@@ -1,6 +1,6 @@
-"""Readers of visibilities by format: the protocol, and those that are known.
+"""Readers of visibilities by format: the base class, and the readers that are known.
 
-A reader of another format is one file:
+A reader for another format takes one file:
 
 .. code-block:: python
 
@@ -15,10 +15,10 @@ A reader of another format is one file:
         def open(self, path, reading):
             return VisibilitySet(...)
 
-It is found if an installed package registers it by an entry point of the group ``uvshear.readers``, or if
-``Reading.reader`` names it. The observation that it returns needs a phase centre and chunks; for a primary beam it also
-needs the members of ``interferometer.dishes.HasDishes``, and warnings name it as
-``interferometer.origin.HasOrigin`` says.
+It is found if an installed package registers it with an entry point of the group ``uvshear.readers``, or if
+``Reading.reader`` names it. The observation that it returns needs a phase centre and chunks. For a primary beam it also
+needs the members of ``interferometer.dishes.HasDishes``; its name in warnings comes from
+``interferometer.origin.HasOrigin``.
 """
 
 from abc import ABC, abstractmethod
@@ -57,11 +57,12 @@ class Reader(ABC):
         Raises
         ------
         InputError
-            In one line that names the path: the file is damaged, or the reading asks for what it does not hold.
+            The file is damaged, or it does not hold what the reading asks for. The message is one line that names the
+            path.
         """
 
     def inspect(self, path: Path, reading: Reading) -> Inspection:
-        """Read a file once for a summary of its content; by default what any observation can tell."""
+        """Read a file once for a summary of its content; by default the content that any observation has."""
         return inspect_observation(self.open(path, reading))
 
 

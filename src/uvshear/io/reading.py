@@ -1,11 +1,11 @@
-"""Which visibilities of a file are read, and how."""
+"""Options for reading visibilities."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Reading:
-    """Which visibilities of a file are read, and how; a reader refuses what its format does not have.
+    """Options that say which visibilities of a file are read, and how; a reader refuses what its format does not have.
 
     Parameters
     ----------

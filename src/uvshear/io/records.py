@@ -9,7 +9,7 @@ from uvshear.errors import InputError
 
 
 def read_record(path: Path, what: str) -> dict[str, object]:
-    """Read names and values; ``what`` is what the file should be, for messages."""
+    """Read names and values; ``what`` describes the expected file in messages."""
     if not path.exists():
         raise InputError(f"{path}: no such file")
     try:

@@ -30,7 +30,7 @@ class ShapeColumn:
     unit
         Unit in files.
     inside
-        That unit in the units of the package, SI and radians.
+        Value of that unit in SI or radians, the units of the package.
     """
 
     description: str
@@ -43,38 +43,38 @@ _LOCAL = "axes local East and North"
 
 COLUMNS: Mapping[str, ShapeColumn] = {
     "id": ShapeColumn("identifier of the source in the catalogue"),
-    "ra": ShapeColumn("right ascension of the catalogue, ICRS", "deg", float(np.pi / 180)),
-    "dec": ShapeColumn("declination of the catalogue, ICRS", "deg", float(np.pi / 180)),
+    "ra": ShapeColumn("right ascension in the catalogue, ICRS", "deg", float(np.pi / 180)),
+    "dec": ShapeColumn("declination in the catalogue, ICRS", "deg", float(np.pi / 180)),
     "l": ShapeColumn("direction cosine to the East", "rad"),
     "m": ShapeColumn("direction cosine to the North", "rad"),
-    "flux": ShapeColumn("flux density of the catalogue", "uJy", MICROJANSKY),
+    "flux": ShapeColumn("flux density in the catalogue", "uJy", MICROJANSKY),
     "e1": ShapeColumn(f"posterior mean of e1, |e| = (a-b)/(a+b); {_FRAME}"),
     "e2": ShapeColumn(f"posterior mean of e2; {_FRAME}"),
     "e1_err": ShapeColumn("posterior standard deviation of e1"),
     "e2_err": ShapeColumn("posterior standard deviation of e2"),
     "e12_cov": ShapeColumn("posterior covariance of e1 and e2"),
-    "e_sigma": ShapeColumn("det(covariance of e)^(1/4)"),
+    "e_sigma": ShapeColumn("1D standard deviation of e, det(covariance)^(1/4)"),
     "weight": ShapeColumn("lensfit's weight; 0 where nothing was measured"),
     "snr": ShapeColumn("flux over its error at fixed shape, natural weights"),
     "scale_length": ShapeColumn("posterior mean of the scale length", "arcsec", ARCSEC),
-    "scale_length_err": ShapeColumn("its standard deviation", "arcsec", ARCSEC),
+    "scale_length_err": ShapeColumn("standard deviation of the scale length", "arcsec", ARCSEC),
     "flux_fit": ShapeColumn(
-        "fitted flux density, at the catalogue's frequency", "uJy", MICROJANSKY
+        "fitted flux density, at the frequency of the catalogue", "uJy", MICROJANSKY
     ),
-    "flux_fit_err": ShapeColumn("its standard deviation", "uJy", MICROJANSKY),
-    "dl": ShapeColumn("fitted position less the catalogue's, to the East", "arcsec", ARCSEC),
-    "dm": ShapeColumn("fitted position less the catalogue's, to the North", "arcsec", ARCSEC),
-    "flag": ShapeColumn("ok, or one word for what happened"),
-    "g1": ShapeColumn(f"e1 as TreeCorr takes it on (RA, Dec); {_LOCAL}"),
-    "g2": ShapeColumn(f"e2 as TreeCorr takes it on (RA, Dec); {_LOCAL}"),
+    "flux_fit_err": ShapeColumn("standard deviation of flux_fit", "uJy", MICROJANSKY),
+    "dl": ShapeColumn("fitted minus catalogue position, to the East", "arcsec", ARCSEC),
+    "dm": ShapeColumn("fitted minus catalogue position, to the North", "arcsec", ARCSEC),
+    "flag": ShapeColumn("outcome of the fit: ok, or the reason why there is no usable shape"),
+    "g1": ShapeColumn(f"e1 in TreeCorr's convention for (RA, Dec); {_LOCAL}"),
+    "g2": ShapeColumn(f"e2 in TreeCorr's convention for (RA, Dec); {_LOCAL}"),
     "position_angle": ShapeColumn(
-        "long axis from North through East; in [0, 180)", "deg", float(np.pi / 180)
+        "long axis from North through East, in [0, 180)", "deg", float(np.pi / 180)
     ),
 }
 """Every column of a table of shapes, in order."""
 
 DERIVED = ("ra", "dec", "g1", "g2", "position_angle")
-"""Columns that :func:`shapes_table` works out from (l, m) and (e1, e2)."""
+"""Columns that :func:`shapes_table` computes from (l, m) and (e1, e2)."""
 
 
 def shapes_table(

@@ -1,8 +1,8 @@
 """Catalogues as source finders write them, in the columns that this package knows.
 
-A finder fits a Gaussian in an image. Its deconvolved size tells the scale length of a disc: half of the flux lies
-inside the half-light radius, which is FWHM/2 of a Gaussian and 1.678 scale lengths of an exponential disc. A source
-that the finder does not resolve is a point source.
+A source finder fits Gaussians to an image. The deconvolved size of a Gaussian gives the scale length of a disc with the
+same half-light radius, which is FWHM/2 of a Gaussian and 1.678 scale lengths of an exponential disc. A source that the
+finder does not resolve is a point source.
 """
 
 from abc import ABC, abstractmethod
@@ -42,7 +42,7 @@ class SourceFinder(ABC):
     signature
         Columns by which its tables are recognised.
     columns
-        Name in this package of each of its columns, and the unit to assume where a file gives none.
+        For each of its columns, the name in this package and the unit to assume where a file gives none.
     """
 
     signature: frozenset[str]

@@ -71,12 +71,12 @@ def read_statistics(path: Path, shapes_path: Path, shapes: Table) -> Table:
             raise InputError(f"{name}: has no column 'id'; a table as it was measured is needed")
     if len(table) != len(shapes):
         raise InputError(
-            f"{path}: has {len(table)} rows and {shapes_path} has {len(shapes)}; the files of one measurement have"
-            " the same number"
+            f"{path}: has {len(table)} rows, but {shapes_path} has {len(shapes)}; the files of one measurement have"
+            " the same number of rows"
         )
     if np.any(_identifiers(table) != _identifiers(shapes)):
         raise InputError(
-            f"{path}: has other sources than {shapes_path}, or the same in another order; measure again"
+            f"{path}: has other sources than {shapes_path}, or has them in another order; measure again"
         )
     # FITS has keys in capitals.
     table.meta = {str(name).lower(): value for name, value in table.meta.items()}

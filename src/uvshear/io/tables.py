@@ -21,7 +21,7 @@ READERS: Mapping[str, str] = {
 
 
 def read_table(path: Path, what: str) -> Table:
-    """Read a table of any format; ``what`` is what the file should be, for messages."""
+    """Read a table of any format; ``what`` describes the expected file in messages."""
     if not path.exists():
         raise InputError(f"{path}: no such file; a {what} is needed")
     if path.is_dir():
@@ -44,7 +44,7 @@ def check_table_name(path: Path) -> None:
     """Refuse a name whose extension belongs to no format that can be written."""
     if path.suffix.lower() not in WRITERS:
         raise InputError(
-            f"{path}: the extension tells the format of a table; give {', '.join(WRITERS)}"
+            f"{path}: the extension must name the format of the table: {', '.join(WRITERS)}"
         )
 
 

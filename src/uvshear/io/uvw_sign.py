@@ -21,7 +21,7 @@ def uvw_sign_agrees(path: Path, header: Header) -> bool | None:
 
     Notes
     -----
-    Precession is left out: 0.4 degrees in 30 years are nothing beside a reversal.
+    Precession is neglected: 0.4 degrees in 30 years do not matter for a comparison of signs.
     """
     with open_table(path) as main, casacore_errors(path, "UVW"):
         rows = np.unique(np.linspace(0, header.rows - 1, ROWS_COMPARED).astype(int))

@@ -27,7 +27,7 @@ def save(figure: Figure, path: Path, *, overwrite: bool = False) -> None:
     known = figure.canvas.get_supported_filetypes()
     if path.suffix.lower().removeprefix(".") not in known:
         raise InputError(
-            f"{path}: the extension names no format of pictures; use .png, .pdf or .svg, for instance"
+            f"{path}: the extension is not that of a picture; use .png, .pdf or .svg, for instance"
         )
     with new_file(path, overwrite=overwrite) as temporary:
         figure.savefig(temporary, dpi=150)

@@ -10,7 +10,7 @@ from uvshear.typing import Array, Float
 def draw_layout(
     positions: Float[Array, "antenna 3"], name: str, core_radius: float | None = None
 ) -> Figure:
-    """Draw the antennas to the East and North of their median position: the whole array, and its core.
+    """Draw the antennas by their distance to the East and North of the median position: the whole array, and its core.
 
     Parameters
     ----------

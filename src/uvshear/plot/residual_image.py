@@ -9,7 +9,7 @@ from uvshear.diagnostics.residual_image import DirtyAndResidual, root_mean_squar
 from uvshear.plot.figure import new_figure
 
 LEAST = 5.0
-"""Range of the colours on either side of zero, at least, in standard deviations of the noise."""
+"""Smallest range of the colours on either side of zero, in standard deviations of the noise."""
 
 
 def draw_residual_image(

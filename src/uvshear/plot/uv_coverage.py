@@ -8,7 +8,7 @@ from uvshear.plot.figure import BLUE, ORANGE, new_figure
 from uvshear.typing import Array, Float
 
 MOST_POINTS = 200_000
-"""Largest number of rows that are drawn; of more, a random sample is."""
+"""Largest number of rows that are drawn; if there are more, a random sample is drawn."""
 
 
 def draw_uv_coverage(

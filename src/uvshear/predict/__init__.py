@@ -1,8 +1,8 @@
 """From galaxies to visibilities.
 
-``direct`` is the exact sum over sources, against which everything faster is tested. ``rendering`` draws galaxies as
-pixels, and ``response`` says how samples see sources of different spectra and directions. ``losses`` are what averaging
-and primary beams take away.
+``direct`` is the exact sum over sources, against which everything faster is tested. ``rendering`` draws galaxies on
+pixels, and ``response`` describes the dependence of the samples on the spectra and directions of sources. ``losses``
+has the attenuation by averaging and primary beams.
 """
 
 from uvshear.predict.direct import predict_visibilities

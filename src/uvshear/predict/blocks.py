@@ -9,7 +9,7 @@ from uvshear.interferometer.visibilities import Visibilities
 
 
 class BlockAccumulator(Accumulator[Result_co]):
-    """Collects the samples of a range of baselines, and works on them whenever a block is full.
+    """Collects the samples of a range of baselines, and processes them whenever a block is full.
 
     Blocks have the same samples whatever the chunks, so that sums do not depend on how an observation is read.
 
@@ -31,20 +31,20 @@ class BlockAccumulator(Accumulator[Result_co]):
         self._take(Samples.from_visibilities(seen, self._shortest, self._longest))
 
     def merge(self, later: Self) -> None:
-        """Add what another accumulator has summed up, and take in the samples that it has not worked on."""
+        """Add the sums of another accumulator, and take over the samples that it has not processed."""
         self.add_sums(later)
         for part in later._waiting:
             self._take(part)
 
     def result(self) -> Result_co:
-        """Work on the samples that are left, and return what was summed up."""
+        """Process the remaining samples, and return the sums."""
         if self._waiting:
             self._work_on_waiting()
         return self.total()
 
     @abstractmethod
     def add_block(self, samples: Samples) -> None:
-        """Work on a block of samples."""
+        """Process a block of samples."""
 
     @abstractmethod
     def add_sums(self, later: Self) -> None:
@@ -52,7 +52,7 @@ class BlockAccumulator(Accumulator[Result_co]):
 
     @abstractmethod
     def total(self) -> Result_co:
-        """Return what has been summed up over all blocks."""
+        """Return the sums over all blocks."""
 
     def _take(self, part: Samples) -> None:
         while self._held + len(part) >= self._size:

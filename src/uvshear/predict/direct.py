@@ -32,9 +32,9 @@ def predict_visibilities(
     .. math:: V = \sum_s S_s (\nu/\nu_\mathrm{ref})^{\beta_s}\, \tilde I_s(u - w l_s/n_s,\, v - w m_s/n_s)\,
               e^{2\pi i [u l_s + v m_s + w (n_s - 1)]}
 
-    The shift of (u, v) in the envelope is the first order of w (n - 1) across the galaxy; the next order is w x^2/2
-    turns at distance x, 6e-4 at 10 arcsec for w = 5e5 wavelengths. Each slab of rows is summed over sources in the same
-    order, so that results do not depend on the executor.
+    The shift of (u, v) in the envelope is the first-order expansion of w (n - 1) about the centre of the galaxy. The
+    second-order term is w x^2/2 turns at a distance x, which is 6e-4 at 10 arcsec for w = 5e5 wavelengths. Each slab of
+    rows is summed over sources in the same order, so that results do not depend on the executor.
 
     Parameters
     ----------
@@ -47,9 +47,9 @@ def predict_visibilities(
     profile
         Brightness profile of all galaxies; exponential unless given.
     executor
-        Works on slabs of rows side by side.
+        Executor for the slabs of rows.
     losses
-        Losses by averaging and primary beams, which are those of each galaxy's centre; none unless given.
+        Losses by averaging and primary beams, which are evaluated at the centre of each galaxy; none unless given.
 
     References
     ----------
@@ -75,7 +75,7 @@ def predict_visibilities(
 
 
 class _Sky:
-    """The galaxies in the form in which the kernels take them."""
+    """The galaxies as arrays for the kernels."""
 
     def __init__(self, galaxies: Galaxies, frequency: Float[Array, " chan"]) -> None:
         l, m = galaxies.l, galaxies.m

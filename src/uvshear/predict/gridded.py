@@ -1,4 +1,4 @@
-"""Visibilities of many galaxies by way of images: drawn on tiles, and predicted from there by the gridder."""
+"""Visibilities of many galaxies by way of images: the galaxies are drawn on tiles, which are degridded."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,15 +21,15 @@ SLAB = 2**21
 executor."""
 
 BYTES_PER_SAMPLE = 160
-"""Memory that a sample takes while it is worked on: the sample, its model, and its baseline seen from two tiles."""
+"""Memory for each sample that is processed: the sample, its model, and its baseline in the planes of two tiles."""
 
 LEAST_BLOCK = 2**16
-"""Number of samples in a block however little memory there is."""
+"""Smallest number of samples in a block, however little memory is available."""
 
 
 @dataclass(frozen=True)
 class Gridding:
-    """Accuracy of the gridder, and what it may use.
+    """Accuracy of the gridder, and its resources.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Gridding:
     block
         Number of samples held in memory at a time.
     executor
-        Runs tiles and slabs of samples side by side.
+        Executor for tiles and slabs of samples.
     """
 
     epsilon: float = 1e-4
@@ -59,7 +59,7 @@ class ModelledSky:
     response
         Spectrum and attenuation of each galaxy over the samples.
     profile
-        Brightness profile of all of them.
+        Brightness profile of all galaxies.
     """
 
     galaxies: Galaxies
@@ -69,7 +69,7 @@ class ModelledSky:
 
 
 def block_of(memory: float) -> int:
-    """Choose the number of samples in a block, where so much memory [bytes] may be used: a third is for the block."""
+    """Choose the number of samples in a block, which may take a third of this memory [bytes]."""
     return max(int(memory / 3 / BYTES_PER_SAMPLE), LEAST_BLOCK)
 
 
@@ -120,7 +120,7 @@ def predict_samples(
 
 @dataclass(frozen=True)
 class _Part:
-    """Fluxes of a tile's members [Jy] that samples see as they see a source at (l, m) of a spectral index."""
+    """Fluxes of a tile's members [Jy], with the sample factors of a source at (l, m) of one spectral index."""
 
     tile: Tile
     flux: Float[Array, " member"]

@@ -1,4 +1,4 @@
-"""Losses of a source's visibilities by averaging and primary beams, for rows and channels as they are read."""
+"""Losses of a source's visibilities by averaging and primary beams, for blocks of rows and channels."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -14,7 +14,7 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class Losses:
-    """An attenuation, and what it needs to know about a block of visibilities.
+    """An attenuation, with the properties of a block of visibilities that it needs.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ def render(
     Parameters
     ----------
     galaxies
-        Galaxies within the tile; their own fluxes do not count.
+        Galaxies within the tile; their own fluxes are not used.
     flux
         Flux with which each galaxy is drawn [Jy].
     half_width
@@ -79,7 +79,7 @@ def transform_on_stamp(
     band: Band,
     profile: Profile,
 ) -> Complex[Array, "u v"]:
-    """Fourier transform of a galaxy of unit flux on a stamp, as ``irfft2`` takes it.
+    """Fourier transform of a galaxy of unit flux on a stamp, in the layout of ``irfft2``.
 
     Parameters
     ----------

@@ -1,8 +1,9 @@
-r"""Response of the samples to sources: their spectra, and what averaging and primary beams leave of them.
+r"""Response of the samples to sources: spectra, smearing and primary beams.
 
-The factor with which samples see a source is a smooth function of its position and of its spectral index. The factors
-of all sources of a tile are combinations of those of a few sources, the columns that a pivoted QR of the factors at
-some samples picks. The image of a tile is one image for all samples and cannot carry such factors; a few images can.
+The factor of a source in the samples is a smooth function of its position and of its spectral index. The factors of all
+sources of a tile are linear combinations of those of a few sources, which are the columns that a pivoted QR
+decomposition of the factors at some samples chooses. A single image of a tile for all samples cannot represent such
+factors; a few images can.
 """
 
 from dataclasses import dataclass, replace
@@ -18,16 +19,16 @@ from uvshear.interferometer.samples import Samples
 from uvshear.typing import Array, Float, Int
 
 TOLERANCE = 1e-4
-"""Error of a factor that is combined from others, over the strongest factor."""
+"""Error of a factor that is a combination of others, over the strongest factor."""
 
 FAINTEST = 1e-2
-"""Smallest part of its flux that a source must have left to be modelled."""
+"""Smallest fraction of its flux that attenuation must leave of a source that is modelled."""
 
 _FEWEST = 64
-"""Number of samples in a band below which those of all bands choose the sources."""
+"""Number of samples in a band below which the samples of all bands are used to choose the sources."""
 
 _OUTERMOST = 8
-"""Number of outermost sources that decide whether there is an attenuation at all."""
+"""Number of outermost sources that are used to decide whether there is any attenuation."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class Response:
 
     .. math:: (\nu/\nu_\mathrm{ref})^{\beta_0} \times (\nu/\nu_\mathrm{ref})^{\beta_s - \beta_0}\, a_k(l_s, m_s)
 
-    The first factor, the gain, is common to all sources; the rest belongs to each source.
+    The first factor, the gain, is common to all sources; the others differ from source to source.
 
     Parameters
     ----------
@@ -66,7 +67,7 @@ class Response:
     attenuation
         a; None if there is none.
     probes
-        Samples with weights, spread over all that take part; they are needed where sources differ.
+        Samples with weights, spread over all samples that are used; they are needed where sources differ.
     """
 
     index: float
@@ -81,7 +82,7 @@ class Response:
         probes: Samples | None = None,
         attenuation: Attenuation | None = None,
     ) -> Self:
-        """Response to the galaxies of a sky; an attenuation that leaves all of them as they are counts as none."""
+        """Response to the galaxies of a sky; an attenuation that has no effect on any of them is left out."""
         index = float(np.median(galaxies.spectral_index)) if len(galaxies) else 0.0
         if attenuation is not None and probes is not None:
             distance = np.hypot(galaxies.l, galaxies.m)
@@ -127,7 +128,7 @@ class Response:
         return self._rms(self._factors(self._need_probes(), galaxies))
 
     def attenuations(self, galaxies: Galaxies) -> Float[Array, " source"]:
-        """Part of each source's flux that averaging and primary beams leave, as a root mean square over the probes."""
+        """Fraction of each source's flux that averaging and primary beams leave, as an rms over the probes."""
         if self.attenuation is None:
             return np.ones(len(galaxies))
         return self.strengths(galaxies) / replace(self, attenuation=None).strengths(galaxies)
@@ -140,7 +141,7 @@ class Response:
             return 1.0
         remaining = float(self._rms(self.attenuation.factor(self._need_probes(), l, m)[:, None])[0])
         if remaining < FAINTEST:
-            # Next to nothing is seen in this direction, and nothing modelled.
+            # Attenuation leaves next to nothing in this direction, and no source is modelled there.
             return 1.0
         return (self.attenuation.factor(samples, l, m) / remaining).astype(np.float32)
 

@@ -48,6 +48,7 @@ def shear_at_fixed_scale_length(
     Rivi & Miller 2018, section 5.
 
     Notes
+    -----
     ----- No lens does this: estimators that use the response to a shear have a spurious m of -0.07 to -0.14 on such
     galaxies. The function serves only to reproduce the paper.
     """

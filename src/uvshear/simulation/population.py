@@ -70,7 +70,9 @@ def draw_population(
     """
     rings, rest = divmod(number, population.ring)
     if rest:
-        raise InputError(f"population: {number} galaxies do not make whole rings of {population.ring}")
+        raise InputError(
+            f"population: {number} galaxies do not make whole rings of {population.ring}"
+        )
     flux = population.flux.draw(rings, rng)
     scale_length = population.size.draw(flux, rng)
     modulus = population.ellipticity.draw_modulus(rings, rng)

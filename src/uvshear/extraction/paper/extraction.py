@@ -62,7 +62,9 @@ class PaperExtraction(Extraction):
     ) -> Extracted:
         """Measure every source, and those with a bad measurement once more at the end."""
         if setting.model.primary_beam is not None:
-            raise InputError("the paper's extraction has no primary beam; ConvergedExtraction has one")
+            raise InputError(
+                "the paper's extraction has no primary beam; ConvergedExtraction has one"
+            )
         meter = Meter(progress)
         run = SequentialPass(observation, field, setting, self.facet, meter.add)
         sky = PaperSky(field.sky)
