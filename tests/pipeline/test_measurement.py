@@ -1,5 +1,6 @@
 """A measurement in memory and in files."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -57,6 +58,27 @@ def test_what_is_written_is_read_again(kept, tmp_path):
     np.testing.assert_allclose(again.sky.flux, kept.sky.flux)
     assert again.record == kept.record
     assert "statistics kept for: moments" in repr(again)
+    for estimator in ("mean", "moments"):
+        assert estimate_shear(again, estimator).numbers() == pytest.approx(
+            estimate_shear(kept, estimator).numbers()
+        )
+
+
+def test_files_of_version_0_1_0_are_read(kept, tmp_path):
+    """They have no file of the sky, name no estimators, and their record has no range of baselines."""
+    path = tmp_path / "shapes.fits"
+    old = kept.shapes.copy()
+    record = {"extraction": "converged", "visits": 3, "left_undone": 0.05, "tolerance": 0.1}
+    old.meta = {"ra0_deg": old.meta["ra0_deg"], "dec0_deg": old.meta["dec0_deg"]}
+    old.meta |= {"version": "uvshear 0.1.0", "extract": json.dumps(record)}
+    old.write(path)
+    statistics = kept.statistics.copy()
+    statistics.meta.clear()
+    statistics.write(companions(path)[0])
+    again = read_measurement(path)
+    assert again.sky is None
+    assert again.estimators == ("moments",)
+    assert "visits 3" in repr(again)
     for estimator in ("mean", "moments"):
         assert estimate_shear(again, estimator).numbers() == pytest.approx(
             estimate_shear(kept, estimator).numbers()

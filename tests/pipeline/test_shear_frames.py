@@ -5,6 +5,8 @@ Galaxies stand in eight directions from the centre, in pairs of opposite intrins
 in each direction without the noise of their shapes.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import treecorr
@@ -12,6 +14,8 @@ from astropy import units
 from astropy.coordinates import SkyCoord
 
 import uvshear
+from uvshear.estimators import estimate_sample_shear, estimator_of
+from uvshear.pipeline.sample import sample_of
 
 CENTRE = uvshear.PhaseCentre(np.radians(40.0), np.radians(88.0))
 MIDDLE = SkyCoord(40.0, 88.0, unit="deg")
@@ -23,9 +27,10 @@ RADIUS = np.tile([22.0, 24.0, 26.0, 28.0], 8)
 
 CONSTANT = 0.06 + 0.04j
 TANGENTIAL = 0.07
-TOLERANCE = {"mean": 0.015, "moments": 0.015, "metacal": 0.015, "bayesian": 0.03}
-"""Error of a shear by four galaxies, and by eight of the Bayesian estimate, which needs more. The wrong sign of a
-component costs 0.08 or 0.14, and without the turn of local North the eastern and western shears are off by 0.03."""
+TOLERANCE = 0.02
+"""Error of a shear by four galaxies (0.013 at most was seen); that of the whole field is smaller, but for the Bayesian
+estimate, which needs more galaxies than these. The wrong sign of a component costs 0.08 or 0.14, and without the turn
+of local North the eastern and western shears are off by 0.03."""
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*times what the weights claim")
 
@@ -34,7 +39,7 @@ def _intrinsic():
     """Pairs of opposite ellipticities, of the population but for its most elliptical fifth."""
     drawn = uvshear.DiscEllipticityPrior().draw_modulus(20_000, np.random.default_rng(1))
     modulus = np.quantile(drawn, 0.8 * (np.arange(16) + 0.5) / 16).reshape(2, 8).T
-    angle = np.random.default_rng(4).uniform(0, 2 * np.pi, (8, 1)) + [0, np.pi / 2]
+    angle = np.random.default_rng(4).uniform(0, 2 * np.pi, (8, 1)) + np.array([0, np.pi / 2])
     e = modulus * np.exp(1j * angle)
     return np.stack([e, -e], axis=-1).ravel()
 
@@ -57,7 +62,7 @@ def _shear(name, places):
 
 @pytest.fixture(scope="module", params=["constant", "tangential"])
 def sheared(request, places):
-    """Shear of each galaxy, and the measurement of a simulation of them."""
+    """Name and values of the shear of each galaxy, and the measurement of a simulation of them."""
     shear = _shear(request.param, places)
     flux = np.full(len(shear), 1.5e-4)
     catalogue = uvshear.Catalogue(
@@ -79,14 +84,14 @@ def sheared(request, places):
     observation = uvshear.simulate(catalogue, plan, noise=uvshear.GalaxyNoise(snr=40.0), seed=3)
     found = uvshear.measure(observation, catalogue, keep="moments,bayesian,metacal")
     assert set(found.shapes["flag"]) == {"ok"}
-    return shear, found
+    return request.param, shear, found
 
 
 def test_shapes_are_those_of_the_sheared_galaxies_in_both_frames(sheared):
     from uvshear.geometry.directions import local_north
     from uvshear.geometry.ellipticity import add_shear, to_field_frame
 
-    shear, found = sheared
+    _, shear, found = sheared
     shapes = found.shapes
     north = local_north(CENTRE, np.asarray(shapes["l"]), np.asarray(shapes["m"]))
     assert np.ptp(north) > np.radians(25)
@@ -97,20 +102,33 @@ def test_shapes_are_those_of_the_sheared_galaxies_in_both_frames(sheared):
     assert np.abs(pairs - shear.reshape(-1, 2).mean(axis=1)).max() < 0.03
 
 
-@pytest.mark.parametrize("estimator", TOLERANCE)
-def test_every_estimator_finds_the_shear_in_every_direction(sheared, estimator):
-    shear, found = sheared
+@pytest.mark.parametrize("estimator", ["mean", "moments", "metacal"])
+def test_an_estimator_finds_the_shear_in_every_direction(sheared, estimator):
+    _, shear, found = sheared
     for bearing in np.unique(BEARING):
-        opposite = (bearing + 180) % 360 if estimator == "bayesian" else bearing
-        here = (bearing == BEARING) | (opposite == BEARING)
+        here = bearing == BEARING
         estimate = uvshear.estimate_shear(found, estimator, where=here)
         assert estimate.frame == "sky"
-        print(estimate, shear[here].mean(), abs(estimate.shear - shear[here].mean()))
-        assert abs(estimate.shear - shear[here].mean()) < TOLERANCE[estimator]
+        assert abs(estimate.shear - shear[here].mean()) < TOLERANCE
+
+
+@pytest.mark.parametrize("estimator", ["mean", "moments", "bayesian", "metacal"])
+def test_an_estimator_finds_the_shear_of_the_whole_field(sheared, places, estimator):
+    """With North at the centre of the field for the tangential shear, which then is the first component."""
+    name, _, found = sheared
+    method = estimator_of(estimator)
+    sample = sample_of(found, method)
+    if name == "constant":
+        estimate, expected = uvshear.estimate_shear(found, estimator), CONSTANT
+    else:
+        turned = sample.local_north + places.position_angle(MIDDLE).rad
+        estimate = estimate_sample_shear(method, replace(sample, local_north=turned))
+        expected = TANGENTIAL
+    assert abs(estimate.shear - expected) < TOLERANCE
 
 
 def test_treecorr_finds_the_tangential_shear(sheared, places):
-    shear, found = sheared
+    name, _, found = sheared
     shapes = found.shapes
     lens = treecorr.Catalog(ra=[40.0], dec=[88.0], ra_units="deg", dec_units="deg")
     sources = treecorr.Catalog(
@@ -121,6 +139,6 @@ def test_treecorr_finds_the_tangential_shear(sheared, places):
         min_sep=15, max_sep=40, nbins=1, sep_units="arcmin", bin_slop=0
     )
     correlation.process(lens, sources)
-    expected = 0.0 if np.ptp(np.angle(shear)) == 0 else TANGENTIAL
+    expected = TANGENTIAL if name == "tangential" else 0.0
     assert correlation.xi[0] == pytest.approx(expected, abs=0.01)
     assert correlation.xi_im[0] == pytest.approx(0.0, abs=0.01)

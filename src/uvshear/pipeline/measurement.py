@@ -11,6 +11,7 @@ from astropy.table import Table
 
 from uvshear.diagnostics.residual_image import DirtyAndResidual, residual_image
 from uvshear.errors import InputError
+from uvshear.estimators import ESTIMATORS, estimator_of
 from uvshear.execution import Resources
 from uvshear.extraction import Model
 from uvshear.interferometer.summary import ObservationSummary, summarise
@@ -77,17 +78,30 @@ class Measurement:
                 f"  signal-to-noise ratio {snr.min():.3g} to {snr.max():.3g} (median {np.median(snr):.3g}),"
                 f" median error of e {np.median(error):.3g}"
             )
-        kept = (
-            [] if self.statistics is None else self.statistics.meta.get("estimators", "").split(",")
-        )
-        lines.append(
-            f"  statistics kept for: {', '.join(filter(None, kept)) or 'none (only `mean` can be used)'}"
-        )
+        kept = ", ".join(self.estimators) or "none (only `mean` can be used)"
+        lines.append(f"  statistics kept for: {kept}")
         told = [
             f"{name} {value}" for name, value in self.record.items() if not isinstance(value, list)
         ]
-        lines.append(f"  {', '.join(told)}")
+        if told:
+            lines.append(f"  {', '.join(told)}")
         return "\n".join(lines)
+
+    @property
+    def estimators(self) -> tuple[str, ...]:
+        """Names of the estimators whose statistics were kept."""
+        if self.statistics is None:
+            return ()
+        if named := str(self.statistics.meta.get("estimators", "")):
+            return tuple(named.split(","))
+        # Files of version 0.1.0 do not name them.
+        own = (estimator_of(name) for name in ESTIMATORS.own)
+        known = set(self.statistics.colnames)
+        return tuple(
+            estimator.name
+            for estimator in own
+            if estimator.columns and set(estimator.columns) <= known
+        )
 
     def write(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write files of the shapes, the statistics and the sky (:func:`companions`), all or none of them."""
