@@ -109,7 +109,7 @@ def test_the_same_seed_gives_the_same_error(
             "the estimator 'absent:Mine' cannot be imported",
         ),
         ("shapes.fits", "--snr-min -3", "'--snr-min': -3 is not 0 or more"),
-        ("shapes.fits", "--snr-min 1e9", "2 or more are needed"),
+        ("shapes.fits", "--snr-min 1e9", "2 or more such galaxies are needed"),
         ("shapes.fits", "--seed -3", "--seed"),
     ],
 )
@@ -473,7 +473,7 @@ def test_statistics_of_other_sources_are_refused(uvshear: Callable, kept: Path) 
     write_statistics(path, table[::-1], {}, overwrite=True)
     outcome = uvshear("shear", kept, "--estimator", "moments")
     assert outcome.status == 2
-    assert "is of other sources" in outcome.err
+    assert "has other sources" in outcome.err
 
 
 def test_a_table_without_fluxes_has_a_shear_and_no_bins(
