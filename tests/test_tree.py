@@ -23,10 +23,6 @@ TESTED_ELSEWHERE = {
     "typing.py": "Names of types have no behaviour.",
     "**/executor.py": "The abstract class is tested with its executors.",
     "extraction/extraction.py": "The protocol is tested with its algorithms.",
-    "galaxy/profile.py": "Every profile passes the battery of test_profiles.py.",
-    "galaxy/exponential.py": "Every profile passes the battery of test_profiles.py.",
-    "galaxy/gaussian.py": "Every profile passes the battery of test_profiles.py.",
-    "plot/*.py": "Pictures are drawn in test_figures.py.",
 }
 """Modules without a test file of their own, and why."""
 

@@ -1,32 +1,34 @@
 """Weak-lensing galaxy shapes and shear, measured directly from interferometric visibilities.
 
-Each command of the command line is a function, and paths, tables and objects are taken alike:
+Each command of the command line is a function that takes paths, tables or objects:
 
 >>> m = uvshear.measure("FIELD.ms", "CAT.fits", keep="moments")
 >>> m.write("SHAPES.fits")
 >>> print(uvshear.estimate_shear(m, "moments"))
 
-Quantities are in SI units, radians and jansky. Shears are in the frame of local North, as TreeCorr takes RA and Dec.
+Quantities are in SI units, radians and jansky. Shears are in the frame of local North (TreeCorr's
+convention for RA and Dec).
 
 Measure
     ``measure`` turns visibilities and a catalogue into a ``Measurement``, which ``read_measurement`` reads back from
-    its files. ``FitFlag`` lists the flags of sources, ``DataWarning`` tells of the data, and ``InputError`` of what is
-    wrong with an input.
+    its files. ``FitFlag`` lists the flags of sources. ``DataWarning`` is issued for problems in the data, and
+    ``InputError`` is raised for wrong inputs.
 Visibilities
-    ``open_observation`` opens files as a ``Reading`` says, ``inspect`` summarises one, and ``scaled_to_its_noise``
-    takes the noise from the scatter of the data. ``VisibilitySet`` holds ``Visibilities`` in memory about a
-    ``PhaseCentre``.
+    ``open_observation`` opens the part of files that a ``Reading`` selects, ``inspect`` summarises a file, and
+    ``scaled_to_its_noise`` takes the noise from the scatter of the data. ``VisibilitySet`` holds ``Visibilities`` in
+    memory about a ``PhaseCentre``.
 Catalogues
-    ``read_catalogue`` and ``write_catalogue`` keep a ``Catalogue`` in a file; ``catalogue_from_galaxies`` makes one.
-What is believed: ``Model``
+    ``read_catalogue`` and ``write_catalogue`` keep a ``Catalogue`` in a file; ``catalogue_from_galaxies``
+    makes one of simulated galaxies.
+Assumptions: ``Model``
     Profiles are ``Exponential``, ``Gaussian``, ``Sersic`` and ``DiscBulge``. Sizes come from ``SizeFluxRelation`` or
     ``CatalogueSize``. Priors of the ellipticity are ``FlatEllipticityPrior`` and ``DiscEllipticityPrior``. Primary
     beams are ``AiryBeam``, ``CosineCubedBeam`` and ``CosineTaperBeam``.
-How it is done: ``Method``
+Algorithm: ``Method``
     ``ConvergedExtraction`` or ``PaperExtraction``, a ``UvRange``, and weightings: ``Uniform``, ``Briggs``,
     ``GaussianTaper``, ``TukeyTaper`` and ``RoundPsf``.
-What may be used: ``Resources``
-    Memory, and an executor: ``Serial``, ``Threads`` or ``Processes``.
+Cores and memory: ``Resources``
+    The executor is ``Serial``, ``Threads`` or ``Processes``.
 Shear
     ``estimate_shear`` gives a ``ShearEstimate`` by ``Mean``, ``Moments``, ``Bayesian`` or ``Metacal``;
     ``read_population`` reads an ``UnlensedPopulation`` that Bayesian estimates assume. ``fit_slopes`` compares
@@ -36,18 +38,19 @@ Bias
     one that the command line has written, to correct a shear.
 Simulate
     ``simulate`` lets the array of an ``ObservingPlan`` (``known_layouts``, ``load_layout``, ``Track``, ``Channels``)
-    observe a catalogue, with ``GalaxyNoise``, ``StokesINoise`` or ``CorrelationNoise``; ``write_measurement_set``
-    writes the observation. ``draw_population`` draws ``Galaxies`` of a ``Population`` (``PowerLawFlux``) in a
-    ``SquareField`` or a ``DiscField``, ``expected_number`` of them. ``shear_galaxies`` is what a lens does,
-    ``shear_at_fixed_scale_length`` what the paper's simulations do.
+    observe a catalogue, with ``GalaxyNoise``, ``StokesINoise``, ``CorrelationNoise`` or ``ScaledNoise``;
+    ``write_measurement_set`` writes the observation. ``draw_population`` draws ``Galaxies`` of a ``Population``
+    (``PowerLawFlux``) in a ``SquareField`` or a ``DiscField``, and ``expected_number`` gives their number.
+    ``shear_galaxies`` applies a lens, and ``shear_at_fixed_scale_length`` the shear of the paper's simulations.
 Images and the PSF
     ``point_spread_function`` images the weights of an observation on an ``ImageGrid``; ``measure_psf`` and
-    ``fit_main_lobe`` measure it. ``weighted`` applies weightings, and ``weighting_loss`` is the information that they
-    cost. ``write_residual_image`` writes what ``Measurement.residual_image`` gives. ``plot`` has the pictures.
+    ``fit_main_lobe`` measure it. ``weighted`` applies weightings, and ``weighting_loss`` computes the loss of
+    information. ``write_residual_image`` writes the result of ``Measurement.residual_image``. ``plot`` has the
+    pictures.
 Objects of your own
-    Derive them from ``Profile``, ``SizeModel``, ``EllipticityPrior``, ``Attenuation``, ``Noise``, ``Weighting``,
-    ``Extraction``, ``Executor``, ``Reader`` or ``Estimator``. An estimator keeps a ``Column`` for each number that it
-    takes from a ``SourceFacet``, and turns a ``Sample`` into ``Terms``.
+    Derive them from ``Profile``, ``SizeModel``, ``EllipticityPrior``, ``PrimaryBeam``, ``Attenuation``, ``Noise``,
+    ``Weighting``, ``Extraction``, ``Executor``, ``Reader`` or ``Estimator``. An estimator keeps a ``Column`` for
+    each number that it takes from a ``SourceFacet``, and turns a ``Sample`` into ``Terms``.
 """
 
 from importlib import import_module
@@ -115,9 +118,14 @@ if TYPE_CHECKING:
         known_layouts,
         load_layout,
     )
-    from uvshear.interferometer.noise import CorrelationNoise, Noise, StokesINoise
+    from uvshear.interferometer.noise import CorrelationNoise, Noise, ScaledNoise, StokesINoise
     from uvshear.interferometer.noise_estimate import scaled_to_its_noise
-    from uvshear.interferometer.primary_beam import AiryBeam, CosineCubedBeam, CosineTaperBeam
+    from uvshear.interferometer.primary_beam import (
+        AiryBeam,
+        CosineCubedBeam,
+        CosineTaperBeam,
+        PrimaryBeam,
+    )
     from uvshear.interferometer.psf_shape import fit_main_lobe, measure_psf
     from uvshear.interferometer.weighting import (
         Briggs,
@@ -174,9 +182,9 @@ _HOMES = {
         "Attenuation Channels ObservingPlan Track UvRange Visibilities VisibilitySet "
         "known_layouts load_layout"
     ),
-    "interferometer.noise": "CorrelationNoise Noise StokesINoise",
+    "interferometer.noise": "CorrelationNoise Noise ScaledNoise StokesINoise",
     "interferometer.noise_estimate": "scaled_to_its_noise",
-    "interferometer.primary_beam": "AiryBeam CosineCubedBeam CosineTaperBeam",
+    "interferometer.primary_beam": "AiryBeam CosineCubedBeam CosineTaperBeam PrimaryBeam",
     "interferometer.psf_shape": "fit_main_lobe measure_psf",
     "interferometer.weighting": (
         "Briggs GaussianTaper RoundPsf TukeyTaper Uniform Weighting weighted"
@@ -247,6 +255,7 @@ __all__ = [
     "PhaseCentre",
     "Population",
     "PowerLawFlux",
+    "PrimaryBeam",
     "Processes",
     "Profile",
     "Reader",
@@ -254,6 +263,7 @@ __all__ = [
     "Resources",
     "RoundPsf",
     "Sample",
+    "ScaledNoise",
     "Serial",
     "Sersic",
     "ShearEstimate",

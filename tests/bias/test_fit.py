@@ -98,7 +98,7 @@ def test_one_block_is_no_error():
 
 
 def test_galaxies_that_tell_nothing_are_told():
-    with pytest.raises(InputError, match="no galaxy tells of the shear"):
+    with pytest.raises(InputError, match="no galaxy contributes to the shear"):
         shears_from_sums(np.zeros((2, 6)), (0j, 0j))
 
 

@@ -49,12 +49,15 @@ def test_the_bias_of_moments_is_told_and_written(uvshear: Callable, tmp_path: Pa
         (["--shear", "1.5"], "--shear 1.5: |g| below 1 is needed"),
         (["--layout", "no-such-array"], "no-such-array"),
         (["--position-error-arcsec", "3"], "allow for errors up to"),
-        (["--facet", "cell-average"], "--estimator moments: the paper's facets are for"),
-        (["--prior", "fitted"], "--prior fitted: --estimator moments has no prior; bayesian has"),
-        (["--prior", "population.json"], "--estimator moments has no prior; bayesian has"),
+        (["--facet", "cell-average"], "--estimator moments: the paper's facets work only with"),
+        (
+            ["--prior", "fitted"],
+            "--prior fitted: --estimator moments has no prior; only bayesian has",
+        ),
+        (["--prior", "population.json"], "--estimator moments has no prior; only bayesian has one"),
         (
             ["--wraps", "bayesian", "--prior", "fitted"],
-            "--wraps bayesian: --estimator moments wraps no other estimator; metacal does",
+            "--wraps bayesian: --estimator moments does not wrap another estimator; only metacal does",
         ),
         (["--profile", "square"], "--profile square: 'square' is not a known profile"),
     ],
@@ -73,12 +76,12 @@ def test_a_wrong_call_is_one_line(
 @pytest.mark.parametrize(
     ("estimator", "words", "message"),
     [
-        ("metacal", "--selection measured", "another than that of the shapes"),
-        ("metacal", "--density 3 --wraps moments", "--wraps: is for galaxies alone"),
+        ("metacal", "--selection measured", "differs from that of the shapes"),
+        ("metacal", "--density 3 --wraps moments", "--wraps: applies only to galaxies alone"),
         ("metacal", "--prior fitted", "--estimator metacal has no prior"),
         ("metacal", "--wraps moments --prior fitted", "--wraps moments has no prior"),
         ("metacal", "--wraps spin", "--wraps spin: 'spin' is not a known estimator"),
-        ("mean", "--facet cell-average --shear 0", "cannot be turned; give a shear"),
+        ("mean", "--facet cell-average --shear 0", "cannot be rotated by a right angle"),
         ("spin", "", "--estimator spin: 'spin' is not a known estimator; mean, moments, bayesian,"),
     ],
 )
@@ -116,7 +119,7 @@ def test_cuts_that_leave_nothing_are_told(
     output = tmp_path / "bias.json"
     outcome = uvshear("bias", "--estimator", estimator, *QUICK, *words.split(), "-o", output)
     assert outcome.status == 2
-    assert re.search("0 galaxies|no galaxy tells of the shear", outcome.err)
+    assert re.search("0 galaxies|no galaxy contributes to the shear", outcome.err)
     assert not output.exists()
 
 

@@ -63,13 +63,13 @@ def test_a_centre_gives_equatorial_positions(uvshear: Callable, tmp_path: Path) 
         ("--field-arcmin 6 --count 0", "'--count': 0 is not above 0"),
         ("--field-arcmin 6", "--density or --count: give one of the two"),
         ("--field-arcmin 6 --count 5 --density 1", "--density or --count: give one of the two"),
-        ("--field-arcmin 6 --count 15 --ring 10", "--count 15: whole rings of 10"),
+        ("--field-arcmin 6 --count 15 --ring 10", "--count 15: a multiple of the ring size 10"),
         ("--field-arcmin 6 --count 10 --ring -1", "'--ring': -1 is not above 0"),
-        ("--field-arcmin 6 --count 5 --flux-ujy 200 10", "200 10 is no range; 0 < LO < HI"),
-        ("--field-arcmin 6 --count 5 --flux-ujy -1 10", "-1 10 is no range; 0 < LO < HI"),
+        ("--field-arcmin 6 --count 5 --flux-ujy 200 10", "200 10 is not a range; 0 < LO < HI"),
+        ("--field-arcmin 6 --count 5 --flux-ujy -1 10", "-1 10 is not a range; 0 < LO < HI"),
         ("--field-arcmin 6 --count 5 --seed -1", "--seed"),
         ("--field-arcmin 6 --count 5 --declination-deg 91", "91 is not between -90 and 90"),
-        ("--field-arcmin 6 --count 5 --ra-deg 10", "--ra-deg: a centre needs --declination-deg"),
+        ("--field-arcmin 6 --count 5 --ra-deg 10", "--ra-deg: --declination-deg is needed as well"),
     ],
 )
 def test_a_wrong_number_is_named_and_nothing_written(

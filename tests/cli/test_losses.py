@@ -129,7 +129,7 @@ def test_the_paper_has_no_primary_beam(uvshear: Callable, tmp_path: Path, catalo
         "--extraction", "paper", "--primary-beam", "airy",
     )  # fmt: skip
     assert outcome.status == 2
-    assert "this extraction has no primary beam; --extraction converged has" in outcome.err
+    assert "this extraction cannot model a primary beam; use --extraction converged" in outcome.err
 
 
 def test_a_source_that_the_dishes_do_not_see_is_flagged(

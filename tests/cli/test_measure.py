@@ -111,7 +111,7 @@ def test_what_is_left_is_imaged_and_drawn(
     words = ("measure", field, "--catalogue", catalogue, "-o", tmp_path / "shapes.fits")
     outcome = uvshear(*words, "--extraction", extraction, "--residual-image", image)
     assert outcome.status == 0, outcome.err
-    assert f"{image}, {tmp_path / 'left.png'}: the residual has an rms of" in outcome.out
+    assert f"{image}, {tmp_path / 'left.png'}: the rms of the residual is" in outcome.out
     assert (tmp_path / "left.png").read_bytes().startswith(b"\x89PNG")
     with fits.open(image) as hdus:
         residual, dirty = (hdu.header for hdu in hdus)
@@ -129,8 +129,8 @@ def test_what_is_left_is_imaged_and_drawn(
         ("there.fits", "there.fits: exists already; give --overwrite"),
         ("drawn.fits", "drawn.png: exists already; give --overwrite"),
         ("nowhere/left.fits", "does not exist"),
-        ("shapes.fits", "is a file of -o"),
-        ("shapes.sky.fits", "is a file of -o"),
+        ("shapes.fits", "is also an output of -o"),
+        ("shapes.sky.fits", "is also an output of -o"),
     ],
 )
 def test_an_image_that_cannot_be_written_is_refused_before_measuring(
@@ -156,7 +156,10 @@ def test_an_image_that_cannot_be_written_is_refused_before_measuring(
         ("--uv-min 5000 --uv-max 3000", "--uv-min 5000 --uv-max 3000: uv-min < uv-max"),
         ("--facet-size -38", "'--facet-size': -38 is not above 0"),
         ("--extraction paper --passes 0", "'--passes': 0 is not above 0"),
-        ("--passes 3", "--extraction converged --passes 3: the converged extraction goes on until"),
+        (
+            "--passes 3",
+            "--extraction converged --passes 3: the converged extraction iterates to convergence",
+        ),
         ("--facet cell-average", "--facet cell-average: the converged extraction has exact facets"),
         (
             "--extraction both",

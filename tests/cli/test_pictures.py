@@ -72,33 +72,33 @@ def test_what_baselines_cannot_tell_is_said(
     monkeypatch.chdir(tmp_path)
     outcome = uvshear("psf", field, "--uv-min", "10", "--scale-length-arcsec", "9000")
     assert outcome.status == 0, outcome.err
-    assert "the shape information: the weighted baselines do not tell the shape" in outcome.err
+    assert "the shape information: the weighted baselines do not determine the shape" in outcome.err
     assert "1/variance" not in outcome.out
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("psf field.ms --weight briggs", "--robust is for --weight briggs, which needs it"),
-        ("psf field.ms --robust 1", "--robust is for --weight briggs, which needs it"),
-        ("psf field.ms --taper-tukey 100", "--uv-max, its end, is needed"),
-        ("psf field.ms --taper-inner-tukey 100", "--uv-min, its start, is needed"),
+        ("psf field.ms --weight briggs", "--robust and --weight briggs go together"),
+        ("psf field.ms --robust 1", "--robust and --weight briggs go together"),
+        ("psf field.ms --taper-tukey 100", "--uv-max is needed, where the taper ends"),
+        ("psf field.ms --taper-inner-tukey 100", "--uv-min is needed, where the taper begins"),
         ("psf field.ms --weight-sigma-arcsec 0", "--weight-sigma-arcsec': 0 is not above 0"),
         ("psf field.ms --weight-field-arcmin 3", "--weight uniform or briggs is needed"),
         ("psf field.ms --scale-length-arcsec 3", "a weighting or a uv range is needed"),
-        ("psf field.ms --uv-max 500 --taper-tukey 600", "they must fit into it"),
+        ("psf field.ms --uv-max 500 --taper-tukey 600", "the tapers are longer than the uv range"),
         ("psf field.ms --uv-min 1e9 --weight briggs --robust 0", "or another weighting, is needed"),
         ("psf field.ms --uv-min 1e9 --weight uniform", "or another weighting, is needed"),
         ("psf field.ms --uv-min 1e9", "a wider uv range, or another weighting, is needed"),
         ("psf field.ms --uv-min 10 --uv-max 5", "uv-min < uv-max is needed"),
         ("psf field.ms --pixel-arcsec -1", "-1 is not above 0"),
-        ("psf field.ms --pixel-arcsec 3", "pixels of sigma/5 or so are needed"),
+        ("psf field.ms --pixel-arcsec 3", "give pixels of about sigma/5"),
         ("psf absent.ms", "absent.ms"),
         ("psf field.ms -o nowhere/psf.png", "does not exist"),
         ("layouts alma", "neither a known array"),
         ("layouts vla-a -o map.docx", "the extension names no format of pictures"),
         ("demo cat.ecsv", "is a file; a directory is needed"),
-        ("demo /proc/demo", "cannot be made"),
+        ("demo /proc/demo", "cannot be created"),
         ("demo full", "exists already; give --overwrite or another directory"),
     ],
 )
@@ -144,7 +144,7 @@ def test_the_demo_runs_commands_that_a_user_can_type(
         *(f"{picture}.png" for picture in demo.PICTURES),
     }
     quoted = [
-        "slope of e, weights 1/s^2 (Rivi & Miller 2018)",
+        "slope of e, weights 1/s^2 (most likely those of Rivi & Miller 2018)",
         "effective number of galaxies",
         "slope of e, weights 1/(s^2 + 0.07)",
         "slope of e, unweighted",

@@ -92,7 +92,9 @@ def test_baselines_of_one_length_tell_no_shape() -> None:
     length = np.hypot(seen.uvw[:, 0], seen.uvw[:, 1])
     same = seen.uvw * (5e3 / length)[:, None]
     ring = VisibilitySet(PhaseCentre(0.0, 0.0), (replace(seen, uvw=same),))
-    with pytest.raises(InputError, match="do not tell the shape of a galaxy of scale length 1"):
+    with pytest.raises(
+        InputError, match="do not determine the shape of a galaxy of scale length 1"
+    ):
         weighting_loss(weighted(ring, ()).map_baselines(), ALPHA, Exponential())
 
 

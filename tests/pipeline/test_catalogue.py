@@ -1,4 +1,4 @@
-"""A catalogue from whatever a user has of it."""
+"""A catalogue from any form in which it may be given."""
 
 import numpy as np
 import pytest

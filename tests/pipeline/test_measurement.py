@@ -41,7 +41,7 @@ def test_the_representation_of_a_measurement_without_a_shape_reads_well(kept):
     shapes = kept.shapes[[4]]
     text = repr(replace(kept, shapes=shapes, statistics=None, record={}))
     assert "Measurement of 1 sources: 1 outside_field" in text
-    assert "no estimator but the mean" in text
+    assert "statistics kept for: none (only `mean` can be used)" in text
     assert "nan" not in text
 
 

@@ -1,4 +1,4 @@
-"""An observation from whatever a user has of it."""
+"""An observation from any form in which it may be given."""
 
 import shutil
 

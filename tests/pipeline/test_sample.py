@@ -42,5 +42,5 @@ def test_cuts_leave_out_what_is_flagged_and_what_is_faint(kept):
 
 @pytest.mark.parametrize("where", [np.ones(3, bool), np.ones(7), np.arange(2)])
 def test_a_mask_of_another_kind_is_refused(kept, where):
-    with pytest.raises(InputError, match="where: a boolean for each of the 7 rows"):
+    with pytest.raises(InputError, match="where: 7 booleans are needed, one for each row"):
         selected(kept.shapes, where=where)

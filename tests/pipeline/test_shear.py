@@ -1,4 +1,4 @@
-"""From a measurement to a shear."""
+"""Estimation of a shear from a measurement."""
 
 import json
 

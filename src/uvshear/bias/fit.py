@@ -106,7 +106,9 @@ def shears_from_sums(
     """Return the shears that follow from sums of an estimator's terms: two values, and four of their response."""
     response = values[..., 2:].reshape(*values.shape[:-1], 2, 2)
     if np.any(np.all(response == 0, axis=(-2, -1))):
-        raise InputError("no galaxy tells of the shear: none passes the cuts, or none was measured")
+        raise InputError(
+            "no galaxy contributes to the shear: none passes the cuts, or none was measured"
+        )
     ratio = np.linalg.solve(response, values[..., :2, None])[..., 0]
     return ratio + np.array([[g.real, g.imag] for g in about])
 

@@ -1,7 +1,7 @@
-"""The command line, one file a command; everything it does is callable from the package.
+"""The command line, with one file for each command; all its work can be done from Python as well.
 
-``application`` turns what goes wrong into one line, ``options`` checks numbers before computing
-starts, ``terminal`` speaks to the user. Commands import what is heavy when run: help is instant.
+``application`` reports a wrong input in one line, ``options`` checks numbers before any computation,
+and ``terminal`` prints. Commands import heavy modules only when they run, so that help is instant.
 """
 
 from uvshear.cli.application import main

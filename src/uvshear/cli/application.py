@@ -1,4 +1,4 @@
-"""The application: its commands, and the one line that a wrong call ends with."""
+"""The command-line application: its commands, its exit statuses and its error messages of one line."""
 
 import ctypes
 import os
@@ -60,9 +60,9 @@ def _root(
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line and exit: 0 done, 2 a wrong input in one line, 130 interrupted.
+    """Run the command line and exit with status 0, with 2 for a wrong input, or with 130 if interrupted.
 
-    The command runs beside the main thread, which can so answer Ctrl-C while compiled code runs.
+    The command runs in a thread of its own, so that the main thread can answer Ctrl-C while compiled code runs.
     """
     outcome: Future[int] = Future()
     worker = threading.Thread(target=_settle, args=(outcome, arguments), daemon=True)
@@ -83,7 +83,7 @@ def _settle(outcome: Future[int], arguments: Sequence[str] | None) -> None:
 
 
 def _stop(worker: threading.Thread) -> int:
-    """Interrupt the command; where compiled code does not return soon, end the process without it."""
+    """Interrupt the command; if compiled code does not return soon, end the process at once."""
     interrupt = ctypes.py_object(KeyboardInterrupt)
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(worker.ident or 0), interrupt)
     with suppress(KeyboardInterrupt):  # once more: the user is in a hurry
@@ -116,7 +116,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 def _explain(error: Exception) -> str | None:
-    """Return the line for a wrong input, None for what is our mistake."""
+    """Return the message for a wrong input, or None for an error of the program itself."""
     if type(error).__name__ == "NoArgsIsHelpError":
         return str(error)
     if isinstance(error, _ClickException):
@@ -135,7 +135,7 @@ def _explain(error: Exception) -> str | None:
 
 
 def _with_the_command(error: Exception) -> str:
-    """Message of an error in the options, and where help is."""
+    """Return the message of an error in the options, with the command that shows their help."""
     context = getattr(error, "ctx", None)
     command = "uvshear" if context is None else context.command_path
     message = error.format_message().rstrip(".")  # type: ignore[attr-defined]

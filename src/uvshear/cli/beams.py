@@ -23,14 +23,14 @@ PrimaryBeamOption = Annotated[
         "--primary-beam",
         metavar="NAME",
         rich_help_panel=MODEL,
-        help="Primary beam of the dishes: none, airy (uniformly lit dishes of their diameters), cosine-cubed"
-        " (a power beam cos^3 of the same width), meerkat, or MODULE:NAME of your own.",
+        help="Primary beam of the dishes: none, airy (uniformly illuminated dishes of the given diameters),"
+        " cosine-cubed (a power beam cos^3 of the same width), meerkat, or MODULE:NAME of your own.",
     ),
 ]
 
 
 def beam_of_observation(name: str, observation: "Observation") -> "Attenuation | None":
-    """Return the beam of the dishes that observed, where these pointed; None for the name ``none``."""
+    """Return the beam of the dishes of an observation, about their pointing; None for the name ``none``."""
     from uvshear.interferometer.dishes import dish_diameters, pointing_of
 
     if name == NONE:

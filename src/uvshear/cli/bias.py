@@ -36,7 +36,7 @@ MEAN = "mean"
 
 
 class SelectionName(StrEnum):
-    """The signal-to-noise ratio that a cut looks at."""
+    """Signal-to-noise ratio to which a cut applies."""
 
     CATALOGUE = "catalogue"
     MEASURED = "measured"
@@ -66,7 +66,8 @@ def bias(
         typer.Option(
             min=100,
             rich_help_panel=SKY,
-            help="Number of galaxies. Each is measured four times behind each shear; without a shear, eight times.",
+            help="Number of galaxies. Each galaxy is measured four times with each shear, or eight times without a"
+            " shear.",
         ),
     ],
     output: Annotated[
@@ -78,8 +79,8 @@ def bias(
         typer.Option(
             callback=positive,
             rich_help_panel=SKY,
-            help="Density of a crowded field, in galaxies per square arcminute, whose galaxies are extracted from one"
-            " another; by default each galaxy is alone in the beam.",
+            help="Density of a crowded field, in galaxies per square arcminute, from which the galaxies are extracted"
+            " together; by default each galaxy is alone in the beam.",
         ),
     ] = None,
     snr_min: Annotated[
@@ -94,7 +95,7 @@ def bias(
         SelectionName,
         typer.Option(
             rich_help_panel=SKY,
-            help="Signal-to-noise ratio on which --snr-min cuts: that of the catalogue's flux, or that of the fit,"
+            help="Signal-to-noise ratio to which --snr-min applies: that of the catalogue's flux, or that of the fit,"
             " which shear and noise change.",
         ),
     ] = SelectionName.CATALOGUE,
@@ -127,7 +128,8 @@ def bias(
         typer.Option(
             min=2,
             rich_help_panel=SKY,
-            help="Number of directions of g, equally spaced, the first at 22.5 deg.",
+            help="Number of equally spaced directions of the shear, the first with its long axis at 22.5 deg from"
+            " East.",
         ),
     ] = 2,
     rings: Annotated[
@@ -135,8 +137,8 @@ def bias(
         typer.Option(
             "--rings/--no-rings",
             rich_help_panel=SKY,
-            help="Simulate each galaxy with e and with -e, which c needs; without it m has the same error at half the"
-            " cost.",
+            help="Simulate each galaxy with e and with -e, which is needed for c; without these pairs m has nearly the"
+            " same error at half the cost.",
         ),
     ] = True,
     legacy_shear: Annotated[
@@ -144,7 +146,7 @@ def bias(
         typer.Option(
             "--legacy-shear",
             rich_help_panel=SKY,
-            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a lens"
+            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a real lens"
             " changes both.",
         ),
     ] = False,
@@ -161,8 +163,8 @@ def bias(
         typer.Option(
             metavar=PRIOR_METAVAR,
             rich_help_panel=METHOD,
-            help="Population of galaxies that bayesian assumes: the paper's, from which they are drawn, one that is"
-            " fitted to a sample, or that of a JSON file.",
+            help="Population of galaxies that bayesian assumes: that of the paper, from which the galaxies are drawn,"
+            " one fitted to a sample, or one read from a JSON file.",
         ),
     ] = PAPER,
     wraps: Annotated[
@@ -178,7 +180,7 @@ def bias(
         FacetName,
         typer.Option(
             rich_help_panel=METHOD,
-            help="Way of making facets: exact, or averages in uv cells as in the paper (mean only).",
+            help="Method of making facets: exact, or averages in uv cells as in the paper (mean only).",
         ),
     ] = FacetName.EXACT,
     position_error_arcsec: Annotated[
@@ -212,7 +214,9 @@ def bias(
     ] = 8.0,
     integration_s: Annotated[
         float,
-        typer.Option(callback=positive, rich_help_panel=ARRAY, help="Duration of an integration."),
+        typer.Option(
+            callback=positive, rich_help_panel=ARRAY, help="Integration time of a sample."
+        ),
     ] = 300.0,
     band_mhz: Annotated[
         Pair,
@@ -229,7 +233,7 @@ def bias(
             callback=positive_pair,
             metavar="UJY SNR",
             rich_help_panel=NOISE,
-            help="Flux of a galaxy of median size, and its signal-to-noise ratio, which sets the noise.",
+            help="Flux [uJy] and signal-to-noise ratio of a round galaxy of median size; they set the noise.",
         ),
     ] = (10.0, 10.0),
     seed: Seed = 1,
@@ -238,7 +242,7 @@ def bias(
 ) -> None:
     """Measure the bias m and c of an estimator on simulated galaxies.
 
-    Each galaxy is alone in the beam, or with --density all are in a crowded field.
+    Each galaxy is alone in the beam; with --density all galaxies share a crowded field.
     """
     is_measured, is_averaged = selection is SelectionName.MEASURED, facet is FacetName.CELL_AVERAGE
     _refuse(estimator, shear, is_measured=is_measured, is_averaged=is_averaged)
@@ -319,20 +323,21 @@ def bias(
 
 
 def _refuse(estimator: str, shear: float, *, is_measured: bool, is_averaged: bool) -> None:
-    """Refuse options that do not go together."""
+    """Refuse options that cannot be combined."""
     if shear >= 1:
         raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
     if is_averaged and shear == 0:
         raise InputError(
-            "--facet cell-average --shear 0: cells of the paper's facets cannot be turned; give a shear"
+            "--facet cell-average --shear 0: the paper's facets cannot be rotated by a right angle, which"
+            " --shear 0 needs; give a shear"
         )
     if is_averaged and estimator != MEAN:
         raise InputError(
-            f"--facet cell-average --estimator {estimator}: the paper's facets are for the paper's mean"
+            f"--facet cell-average --estimator {estimator}: the paper's facets work only with --estimator mean"
         )
     if is_measured and estimator == "metacal":
         raise InputError(
-            "--estimator metacal --selection measured: the signal-to-noise ratio behind its round beam is another than"
+            "--estimator metacal --selection measured: the signal-to-noise ratio behind its round beam differs from"
             " that of the shapes; --selection catalogue is needed"
         )
 
@@ -341,4 +346,6 @@ def _refuse_in_a_crowd(given: dict[str, bool]) -> None:
     """Refuse options that are for galaxies alone in the beam."""
     for name, is_given in given.items():
         if is_given:
-            raise InputError(f"{name}: is for galaxies alone in the beam; leave out --density")
+            raise InputError(
+                f"{name}: applies only to galaxies alone in the beam; leave it out, or leave out --density"
+            )

@@ -102,7 +102,7 @@ def catalogue(
     if (density is None) == (count is None):
         raise InputError("--density or --count: give one of the two")
     if ra_deg is not None and declination_deg is None:
-        raise InputError("--ra-deg: a centre needs --declination-deg too")
+        raise InputError("--ra-deg: --declination-deg is needed as well")
     size = field_arcmin * ARCMIN
     if size >= 1:
         raise InputError(f"--field-arcmin {field_arcmin:g}: a field below 3437 arcmin is needed")
@@ -118,7 +118,7 @@ def catalogue(
             " a higher density or a larger field is needed"
         )
     if number % ring:
-        raise InputError(f"--count {number}: whole rings of {ring} are needed")
+        raise InputError(f"--count {number}: a multiple of the ring size {ring} is needed")
     population = Population(
         flux=PowerLawFlux(minimum=flux_ujy[0] * MICROJANSKY, maximum=flux_ujy[1] * MICROJANSKY),
         ring=ring,

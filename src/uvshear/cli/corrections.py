@@ -1,4 +1,4 @@
-"""Whether a simulated bias is that of the shear from which it is to be taken out."""
+"""Check that a simulated bias belongs to the shear from which it is to be removed."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 import math
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ShearRun:
-    """The options with which a shear is estimated, and whether its shapes are of facets that average in cells."""
+    """The options with which a shear is estimated, and whether the facets of its shapes average in cells."""
 
     estimator: str
     snr_min: float
@@ -26,7 +26,7 @@ class ShearRun:
 
     @property
     def prior(self) -> str:
-        """Where the population of the estimator comes from; the paper's where it has none."""
+        """Origin of the population that the estimator assumes; ``paper`` where it assumes none."""
         return str(self.assumed.get("prior", "paper"))
 
 
@@ -45,15 +45,15 @@ def refuse_another(path: Path, bias: "BiasCorrection", own: ShearRun) -> None:
     for name, (its, ours) in same.items():
         if its != ours:
             raise InputError(
-                f"{path}: was simulated with {name} {its}, the shear is estimated with {name} {ours}"
+                f"{path}: was simulated with {name} {its}, but the shear is estimated with {name} {ours}"
             )
     if own.prior == "file":
         _refuse_another_population(path, own.assumed)
     if own.snr_min > 0 and not bias.cuts_on_measured:
         warn(
-            f"{path}: its galaxies were cut by the flux of the catalogue, these by a measured signal-to-noise ratio,"
-            " across which shear and noise move galaxies; simulate with --selection measured, or cut with"
-            " --flux-min-ujy, which leaves m alone"
+            f"{path}: the simulated galaxies were selected by catalogue flux, these by a measured signal-to-noise"
+            " ratio, and shear and noise move galaxies across such a cut; simulate with --selection measured, or cut"
+            " with --flux-min-ujy, which leaves m alone"
         )
 
 
@@ -66,5 +66,6 @@ def _refuse_another_population(path: Path, assumed: Mapping[str, object]) -> Non
         for name, value in values.items():
             if not math.isclose(its[part][name], value, rel_tol=1e-9):
                 raise InputError(
-                    f"{path}: its population has {part} {name} = {its[part][name]:g}, that of the shear has {value:g}"
+                    f"{path}: its population has {part} {name} = {its[part][name]:g}, but the population"
+                    f" assumed for the shear has {value:g}"
                 )

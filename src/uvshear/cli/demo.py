@@ -1,4 +1,4 @@
-"""``uvshear demo``: from a random sky to shear, with pictures, in a minute or two."""
+"""``uvshear demo``: from a random sky to a shear, with pictures, in a minute or two."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 import json
@@ -50,9 +50,9 @@ TRUE_SHEAR: Final = 0.05 + 0.03j
 """Reduced shear of all galaxies in the frame of local North."""
 
 COMPUTING: Final = frozenset({"simulate", "psf", "measure"})
-"""Commands that take threads."""
+"""Commands with the option --threads."""
 
-SHORT = "Simulate a small field, measure it, compare with the truth."
+SHORT = "Simulate and measure a small field, and compare with the truth."
 
 
 def register(app: typer.Typer) -> None:
@@ -67,7 +67,7 @@ def demo(
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Simulate a 6' field of SKA-Mid AA4, measure it, and compare with the truth."""
+    """Simulate a 6' field of SKA-Mid AA4, measure it, and compare the result with the truth."""
     if directory.exists() and not directory.is_dir():
         raise InputError(f"{directory}: is a file; a directory is needed")
     names = (*FILES, *(f"{name}.png" for name in PICTURES))
@@ -77,14 +77,14 @@ def demo(
     try:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"{directory}: cannot be made: {error.strerror}") from error
+        raise InputError(f"{directory}: cannot be created: {error.strerror}") from error
     for command in commands(directory):
         _run(command, threads, overwrite)
     _compare(directory, overwrite)
 
 
 def commands(directory: Path) -> tuple[tuple[str, ...], ...]:
-    """List what the demo runs, as a user would type it."""
+    """Return the commands that the demo runs, as a user would type them."""
     catalogue, field, shapes, picture = (
         str(directory / name) for name in (CATALOGUE, FIELD, SHAPES, "layout.png")
     )
@@ -130,7 +130,7 @@ class Comparison:
 
     @classmethod
     def read(cls, directory: Path) -> "Comparison":
-        """Read the shapes, and work out the true ones from the catalogue and the shear."""
+        """Read the shapes, and compute the true ones from the catalogue and the shear."""
         import numpy as np
 
         from uvshear.geometry.directions import PhaseCentre, local_north
@@ -209,8 +209,8 @@ def _write_slopes(path: Path, slopes: "Sequence[Slopes]", overwrite: bool) -> No
             "slope_unweighted_err": [slope.error for slope in unweighted],
         },
         meta={
-            "definition": "measured on true ellipticity through the origin; slope: weights 1/s^2 (Rivi & Miller 2018),"
-            " of effective_galaxies galaxies; slope_population: weights 1/(s^2 + 0.07)"
+            "definition": "measured on true ellipticity through the origin; slope: weights 1/s^2 (most likely those"
+            " of Rivi & Miller 2018), of effective_galaxies galaxies; slope_population: weights 1/(s^2 + 0.07)"
         },
     )
     write_table(path, table, overwrite=overwrite)
@@ -220,7 +220,10 @@ def _show(slopes: "Sequence[Slopes]", estimates: Sequence[Mapping[str, object]])
     """Show slopes and shears in a table, the definition of the paper first."""
     first = [fitted.inverse_variance for fitted in slopes]
     rows = [
-        ("slope of e, weights 1/s^2 (Rivi & Miller 2018)", *map(_with_error, first)),
+        (
+            "slope of e, weights 1/s^2 (most likely those of Rivi & Miller 2018)",
+            *map(_with_error, first),
+        ),
         ("effective number of galaxies", *(f"{slope.effective_number:.0f}" for slope in first)),
         (
             "slope of e, weights 1/(s^2 + 0.07)",
@@ -240,7 +243,7 @@ def _show(slopes: "Sequence[Slopes]", estimates: Sequence[Mapping[str, object]])
     show_table("Measured against true", ("", "component 1", "component 2"), rows)
     say(
         "Faint galaxies lower the slopes: at a low signal-to-noise ratio the posterior mean under a flat prior is"
-        " pulled towards zero.\nThis biases the shear by the mean as well; moments have no such bias."
+        " pulled towards zero.\nThe estimator `mean` is biased in the same way; `moments` is not."
     )
 
 

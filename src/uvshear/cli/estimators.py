@@ -1,4 +1,4 @@
-"""The options of estimators of the shear, as several commands have them."""
+"""Options of estimators of the shear, which several commands share."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from pathlib import Path
@@ -31,7 +31,7 @@ def estimator_named(
     Parameters
     ----------
     prior
-        Population of the galaxies: the paper's, one fitted to the sample, or a file.
+        Population of the galaxies: that of the paper, one fitted to the sample, or one read from a file.
     wraps
         Estimator that is wrapped, with the same prior.
     position_sigma
@@ -47,14 +47,16 @@ def estimator_named(
     if wraps is not None:
         if not hasattr(estimator, "wrapped"):
             raise InputError(
-                f"--wraps {wraps}: {option} {name} wraps no other estimator; metacal does"
+                f"--wraps {wraps}: {option} {name} does not wrap another estimator; only metacal does"
             )
         settings["wrapped"] = estimator_named(
             wraps, prior=prior, position_sigma=position_sigma, option="--wraps", seed=seed
         )
     elif prior != PAPER:
         if not hasattr(estimator, "fits_population"):
-            raise InputError(f"--prior {prior}: {option} {name} has no prior; bayesian has")
+            raise InputError(
+                f"--prior {prior}: {option} {name} has no prior; only bayesian has one"
+            )
         settings |= _population(prior)
     offered: dict[str, Any] = {"seed": seed}
     if position_sigma is not None:
@@ -69,6 +71,6 @@ def _population(prior: str) -> dict[str, object]:
         return {"fits_population": True}
     if not Path(prior).exists():
         raise InputError(
-            f"--prior {prior}: is neither {PAPER} nor {FITTED}, nor a file that exists"
+            f"--prior {prior}: is neither '{PAPER}' nor '{FITTED}' nor an existing file"
         )
     return {"population": read_population(Path(prior))}

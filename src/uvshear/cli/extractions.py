@@ -15,7 +15,7 @@ CONVERGED, PAPER = "converged", "paper"
 
 
 class FacetName(StrEnum):
-    """The way in which visibilities become facets."""
+    """Method of making facets from visibilities."""
 
     EXACT = "exact"
     CELL_AVERAGE = "cell-average"
@@ -23,7 +23,7 @@ class FacetName(StrEnum):
 
 @dataclass(frozen=True)
 class ExtractionChoice:
-    """What the options say; None where an option is not given."""
+    """Values of the options of an extraction; None where an option is not given."""
 
     name: str
     facet: FacetName | None = None
@@ -49,10 +49,10 @@ class ExtractionChoice:
             )
         if self.passes is not None:
             raise InputError(
-                f"--extraction converged --passes {self.passes}: the converged extraction goes on until nothing"
-                " changes; --extraction paper is needed, or no --passes"
+                f"--extraction converged --passes {self.passes}: the converged extraction iterates to"
+                " convergence; use --extraction paper, or leave out --passes"
             )
-        # A shortest baseline that is asked for, 0 too, is taken at its word.
+        # A shortest baseline that is given replaces the default, even if it is 0.
         usual = ConvergedExtraction()
         return ConvergedExtraction(
             scale_lengths=usual.scale_lengths if self.facet_size is None else self.facet_size,
@@ -81,7 +81,7 @@ class ExtractionChoice:
         for option, value in given.items():
             if value is not None:
                 raise InputError(
-                    f"{option}: is an option of the package's own extractions, not of --extraction {self.name}"
+                    f"{option}: applies only to the extractions {CONVERGED} and {PAPER}, not to {self.name}"
                 )
         with named_by("--extraction", self.name):
             return extraction_named(self.name)

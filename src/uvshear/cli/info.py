@@ -1,4 +1,4 @@
-"""``uvshear info``: the content of a Measurement Set."""
+"""``uvshear info``: a summary of a Measurement Set."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from pathlib import Path
@@ -24,7 +24,7 @@ EPILOG = "Example: uvshear info FIELD.ms"
 
 Fact = tuple[str, str]
 
-SHORT = "Print what a Measurement Set holds."
+SHORT = "Summarise a Measurement Set."
 
 
 def register(app: typer.Typer) -> None:
@@ -34,7 +34,7 @@ def register(app: typer.Typer) -> None:
 
 def info(
     measurement_sets: Annotated[
-        list[Path], typer.Argument(metavar="FIELD.ms...", help="Measurement Sets to look at.")
+        list[Path], typer.Argument(metavar="FIELD.ms...", help="Measurement Sets to summarise.")
     ],
     column: ColumnOption = "DATA",
     subtract: SubtractOption = None,
@@ -42,7 +42,10 @@ def info(
     scans: ScansOption = None,
     conjugate: ConjugateOption = False,
 ) -> None:
-    """Print what a Measurement Set holds: array, fields, frequencies, flags, baselines, noise against weights."""
+    """Summarise a Measurement Set.
+
+    The summary shows array, fields, frequencies, flags and baselines, and whether the weights match the noise.
+    """
     from uvshear.io.observations import inspect
 
     reading = reading_of(column, field, scans, conjugates=conjugate, subtracted=subtract)
@@ -107,9 +110,9 @@ def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
             ("uv distance", f"{low:.4g} to {high:.6g} wavelengths"),
         ]
     ratio = content.quality.noise_ratio
-    sense = {True: "yes", False: "the opposite", None: "neither"}[content.uvw_agrees]
+    sense = {True: "yes", False: "the opposite", None: "neither sign fits"}[content.uvw_agrees]
     return [
         *facts,
-        ("noise over weights' noise", "not known" if ratio is None else f"{ratio:.3g}"),
+        ("noise / noise implied by the weights", "not known" if ratio is None else f"{ratio:.3g}"),
         ("UVW is X(ANTENNA1) - X(ANTENNA2)", sense),
     ]

@@ -55,18 +55,18 @@ if TYPE_CHECKING:
 EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits --keep moments -o SHAPES.fits"
 
 RELEASED = 0.5
-"""Move of the sky without priors, over the noise, above which the user is warned."""
+"""Change of the sky fitted without priors, in units of the noise, above which the user is warned."""
 
 
 class NoiseName(StrEnum):
-    """What the noise of a visibility is taken from."""
+    """Origin of the noise level of the visibilities."""
 
     WEIGHTS = "weights"
     DATA = "data"
 
 
 class SizePriorName(StrEnum):
-    """What the prior on the scale length is taken from."""
+    """Quantity that sets the median of the prior on the scale length."""
 
     FLUX = "flux"
     CATALOGUE = "catalogue"
@@ -102,7 +102,8 @@ def measure(
         NoiseName,
         typer.Option(
             rich_help_panel=DATA,
-            help="Source of the noise: the weights, or the scatter of the data, to which the weights are then scaled.",
+            help="Origin of the noise level: the weights, or the scatter of the data, to which the weights are then"
+            " rescaled.",
         ),
     ] = NoiseName.WEIGHTS,
     ignore_flags: Annotated[
@@ -116,7 +117,8 @@ def measure(
     flux_unit: Annotated[
         str | None,
         typer.Option(
-            rich_help_panel=DATA, help="Unit of the catalogue's flux where its file has none (CSV)."
+            rich_help_panel=DATA,
+            help="Unit of the catalogue's flux, for files without units (CSV).",
         ),
     ] = None,
     reference_frequency_mhz: Annotated[
@@ -124,7 +126,7 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=DATA,
-            help="Frequency of the catalogue's fluxes, whatever its file says.",
+            help="Frequency of the catalogue's fluxes, overriding the file.",
         ),
     ] = None,
     profile: Annotated[
@@ -139,7 +141,7 @@ def measure(
         SizePriorName,
         typer.Option(
             rich_help_panel=MODEL,
-            help="Source of the prior on the size: the flux, or the scale_length of the catalogue.",
+            help="Quantity that sets the median of the prior on the size: the catalogue's flux or its scale_length.",
         ),
     ] = SizePriorName.FLUX,
     position_radius_arcsec: Annotated[
@@ -147,8 +149,8 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=MODEL,
-            help="Radius about the catalogue's position within which a source lies; by default the width of the peak"
-            " of the correlation.",
+            help="Radius about the catalogue's position within which a source lies; by default one width of the peak"
+            " of the cross-correlation.",
         ),
     ] = None,
     primary_beam: PrimaryBeamOption = NONE,
@@ -157,7 +159,7 @@ def measure(
         typer.Option(
             "--smearing/--no-smearing",
             rich_help_panel=MODEL,
-            help="Model sources as averaged over channels and integrations (converged extraction).",
+            help="Include bandwidth and time smearing in the models of sources (converged extraction).",
         ),
     ] = True,
     extraction: Annotated[
@@ -165,7 +167,7 @@ def measure(
         typer.Option(
             metavar="NAME",
             rich_help_panel=METHOD,
-            help="Algorithm that tells sources apart: converged (until nothing changes), paper (one pass, as"
+            help="Algorithm that separates sources: converged (iterated to convergence), paper (one pass, as in"
             " Rivi & Miller 2018), or MODULE:NAME of your own.",
         ),
     ] = CONVERGED,
@@ -173,7 +175,7 @@ def measure(
         FacetName | None,
         typer.Option(
             rich_help_panel=METHOD,
-            help="Way of making facets: exact (converged extraction), or averages in uv cells (paper).",
+            help="Method of making facets: exact (converged extraction), or averages in uv cells (paper).",
             show_default=False,
         ),
     ] = None,
@@ -182,7 +184,8 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=METHOD,
-            help="Width of a facet in scale lengths; by default the paper's facets have the cells of its Table 1.",
+            help="Width of a facet in scale lengths; by default 45, or for the paper's facets the number of cells in"
+            " its Table 1.",
         ),
     ] = None,
     passes: Annotated[
@@ -198,8 +201,8 @@ def measure(
         typer.Option(
             callback=non_negative,
             rich_help_panel=METHOD,
-            help="Shortest baseline to use [wavelengths]; by default the converged extraction begins where baselines"
-            " carry information on shapes.",
+            help="Shortest baseline to use [wavelengths]; by default the converged extraction leaves out baselines"
+            " too short to carry information on shapes.",
             show_default=False,
         ),
     ] = None,
@@ -221,7 +224,7 @@ def measure(
         typer.Option(
             rich_help_panel=OUTPUT,
             metavar="NAMES",
-            help="Estimators of the shear whose statistics are kept beside the shapes, joined by commas:"
+            help="Shear estimators whose statistics are stored with the shapes, separated by commas:"
             " moments, bayesian, metacal, or MODULE:NAME of your own (converged extraction).",
             show_default=False,
         ),
@@ -231,8 +234,8 @@ def measure(
         typer.Option(
             metavar="FILE.fits",
             rich_help_panel=OUTPUT,
-            help="File for two images with natural weights: the dirty image, and the residual image, in which the"
-            " fitted sources are subtracted. A picture of both goes to FILE.png.",
+            help="File for two images with natural weights: the dirty image, and the residual image after"
+            " subtraction of the fitted sources. A picture of both is written to FILE.png.",
             show_default=False,
         ),
     ] = None,
@@ -243,7 +246,8 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=RESOURCES,
-            help="Memory for what would otherwise be computed again [GB]; by default half of the machine's.",
+            help="Memory for intermediate results that would otherwise be recomputed [GB]; by default half of the"
+            " machine's memory.",
         ),
     ] = None,
 ) -> None:
@@ -280,13 +284,13 @@ def measure(
     )
     executor = in_threads(threads)
     resources = Resources(executor) if memory_gb is None else Resources(executor, memory_gb * 1e9)
-    # Options that do not go together are refused before anything is read.
+    # Options that cannot be combined are refused before anything is read.
     MeasurementOptions(method=method, resources=resources, keep=kept)
     brightness = profile_named_by_option(profile)
     if primary_beam != NONE and not method.extraction.models_attenuation:
         raise InputError(
-            f"--extraction {extraction} --primary-beam {primary_beam}: this extraction has no primary beam;"
-            " --extraction converged has"
+            f"--extraction {extraction} --primary-beam {primary_beam}: this extraction cannot model a"
+            " primary beam; use --extraction converged"
         )
     frequency = None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6
     sources = read_catalogue(catalogue, flux_unit=flux_unit, reference_frequency=frequency)
@@ -339,7 +343,7 @@ def measure(
 
 
 def observed(paths: list[Path], reading: "Reading", noise: NoiseName) -> "Observation":
-    """Open the sets, with the noise that is asked for."""
+    """Open the sets, with the noise level of the given origin."""
     from uvshear.interferometer.noise_estimate import scaled_to_its_noise
     from uvshear.io.observations import open_observation
 
@@ -349,7 +353,7 @@ def observed(paths: list[Path], reading: "Reading", noise: NoiseName) -> "Observ
 
 
 def size_of(name: SizePriorName, sources: "Catalogue", path: Path) -> "SizeModel":
-    """Return the source of the prior on the size, if it is there."""
+    """Return the model of sizes, whose column the catalogue must have."""
     from uvshear.galaxy import CatalogueSize, SizeFluxRelation
 
     if name is SizePriorName.FLUX:
@@ -362,19 +366,20 @@ def size_of(name: SizePriorName, sources: "Catalogue", path: Path) -> "SizeModel
 
 
 def _draw(images: "DirtyAndResidual", title: str, path: Path, *, overwrite: bool) -> None:
-    """Draw the images beside their file, and say what is left."""
+    """Draw the images, and print the rms of the residual."""
     from uvshear.plot import draw_residual_image, save
 
     picture = picture_of(path)
     save(draw_residual_image(images, title), picture, overwrite=overwrite)
     rms, noise = images.rms / MICROJANSKY, images.noise / MICROJANSKY
     say(
-        f"{path}, {picture}: the residual has an rms of {rms:.4g} uJy/beam, the thermal noise is {noise:.4g}"
+        f"{path}, {picture}: the rms of the residual is {rms:.4g} uJy/beam, and the thermal noise is"
+        f" {noise:.4g} uJy/beam"
     )
 
 
 def picture_of(image: Path) -> Path:
-    """Name of the picture beside an image."""
+    """Return the name of the picture that goes with an image."""
     return image.with_suffix(".png")
 
 
@@ -388,13 +393,13 @@ def check_residual_image(image: Path, output: Path, catalogue: Path, *, overwrit
     for path in (image, picture_of(image)):
         if path.absolute() in {other.absolute() for other in (output, *companions(output))}:
             raise InputError(
-                f"--residual-image {image}: {path} is a file of -o {output} too; give two names"
+                f"--residual-image {image}: {path} is also an output of -o {output}; give two names"
             )
         check_file(path, overwrite=overwrite, inputs=(catalogue,))
 
 
 def tell_convergence(record: "Mapping[str, object]") -> None:
-    """Say how far the sky still was from converged; an extraction that does not iterate has nothing to say."""
+    """Print how well the sky has converged, if the extraction iterates."""
     left, tolerance = record.get("left_undone"), record.get("tolerance")
     if not isinstance(left, float) or not isinstance(tolerance, float):
         return
@@ -410,6 +415,6 @@ def tell_convergence(record: "Mapping[str, object]") -> None:
     released = record.get("released")
     if isinstance(released, list) and released[-1] > RELEASED:
         warn(
-            "the sky without priors, on which the kept statistics rest, still moved by"
-            f" {released[-1]:.2g} of the noise (rms) at the end; treat shears from these statistics with care"
+            "the sky fitted without priors, from which the statistics are computed, still changed by"
+            f" {released[-1]:.2g} of the noise (rms) in the last cycle; treat shears from these statistics with care"
         )

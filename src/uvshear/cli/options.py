@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Pair = tuple[float, float]
 
 NO_PART_OF_THE_RESULT = frozenset({"threads", "overwrite", "output", "residual_image"})
-"""Options that provenance leaves out: the same result comes whatever they are."""
+"""Options that do not change the result, which provenance leaves out."""
 
 
 def positive(value: float | None) -> float | None:
@@ -65,7 +65,7 @@ def declination(value: float | None) -> float | None:
 def positive_range(value: Pair | None) -> Pair | None:
     """Check 0 < LO < HI."""
     if value is not None and not 0 < value[0] < value[1] < math.inf:
-        raise typer.BadParameter(f"{value[0]:g} {value[1]:g} is no range; 0 < LO < HI is needed")
+        raise typer.BadParameter(f"{value[0]:g} {value[1]:g} is not a range; 0 < LO < HI is needed")
     return value
 
 
@@ -88,16 +88,16 @@ def hour_angle_ranges(values: list[str] | None) -> list[str] | None:
     for value in values or ():
         start, stop = pair_of_numbers(value)
         if not -math.inf < start < stop < math.inf:
-            raise typer.BadParameter(f"{start:g} {stop:g} is no range; A < B is needed")
+            raise typer.BadParameter(f"{start:g} {stop:g} is not a range; A < B is needed")
     return values
 
 
 def pair_of_numbers(text: str) -> Pair:
-    """Two numbers joined by a comma."""
+    """Return the two numbers that a comma joins."""
     try:
         first, second = (float(number) for number in text.split(","))
     except ValueError:
-        raise typer.BadParameter(f"'{text.replace(',', ' ')}' are not two numbers") from None
+        raise typer.BadParameter(f"'{text.replace(',', ' ')}' is not a pair of numbers") from None
     return first, second
 
 
@@ -139,13 +139,13 @@ Threads = Annotated[
         "--threads",
         min=0,
         rich_help_panel=RESOURCES,
-        help="Number of cores to use; 0 takes all of them.",
+        help="Number of cores to use; 0 means all cores.",
     ),
 ]
 
 
 def provenance(context: typer.Context, *inputs: Path) -> "Provenance":
-    """Say how an output is made: the command with all its options, and the files it read."""
+    """Return the provenance of an output: the command with all its options, and the files it read."""
     from uvshear.io.provenance import Provenance
 
     options = {
@@ -157,7 +157,7 @@ def provenance(context: typer.Context, *inputs: Path) -> "Provenance":
 
 
 def uv_range_of(uv_min: float, uv_max: float | None) -> "UvRange":
-    """Check the two options of the uv range against one another."""
+    """Return the uv range of two options, after a check that they fit together."""
     from uvshear.interferometer.uv_range import UvRange
 
     if uv_max is not None and uv_min >= uv_max:

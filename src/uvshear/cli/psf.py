@@ -39,7 +39,7 @@ from uvshear.errors import InputError
 
 EPILOG = "Example: uvshear psf FIELD.ms --round-psf -o field-psf.png"
 
-SHORT = "Measure the point spread function, draw it and the uv coverage."
+SHORT = "Measure the point spread function; draw it and the uv coverage."
 
 
 def register(app: typer.Typer) -> None:
@@ -125,8 +125,7 @@ def psf(
 ) -> None:
     """Measure the ellipticity and the size of the PSF, and draw it and the uv coverage.
 
-    With a weighting, the weighted PSF is shown beside the natural one, and the information on shapes that the
-    weighting costs.
+    If a weighting is given, the PSF with natural weights is shown as well, and the loss of information on shapes.
     """
     uv_range = uv_range_of(uv_min, uv_max)
     sigmas = weight_sigma_arcsec or [1.0, 3.0]
@@ -143,7 +142,7 @@ def psf(
     is_weighted = bool(weightings) or not uv_range.is_everything
     if scale_length_arcsec is not None and not is_weighted:
         raise InputError(
-            f"--scale-length-arcsec {scale_length_arcsec:g}: natural weights lose nothing;"
+            f"--scale-length-arcsec {scale_length_arcsec:g}: natural weights lose no information;"
             " a weighting or a uv range is needed"
         )
     disc = scale_length_arcsec or 1.0
@@ -170,7 +169,7 @@ def psf(
     images = {"natural": point_spread_function(natural, grid, executor=executor)}
     loss = None
     if is_weighted:
-        # What is cut has no part in the density of the others.
+        # Visibilities outside the uv range do not count in the density of the others.
         cut = TukeyTaper(uv_range.minimum, uv_range.maximum)
         observation = weighted(natural, (cut, *weightings))
         images["weighted"] = point_spread_function(observation, grid, executor=executor)
@@ -214,6 +213,6 @@ def image_size(sigma_arcsec: float, pixel_arcsec: float) -> int:
     if not 16 <= size <= 16384:
         raise InputError(
             f"--weight-sigma-arcsec {sigma_arcsec:g} --pixel-arcsec {pixel_arcsec:g}:"
-            f" an image of {size} pixels; pixels of sigma/5 or so are needed"
+            f" would need an image of {size} pixels; give pixels of about sigma/5"
         )
     return size

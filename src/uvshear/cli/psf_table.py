@@ -1,4 +1,4 @@
-"""The table that ``uvshear psf`` shows: shapes of point spread functions, and what a weighting costs."""
+"""The table of ``uvshear psf``: shapes of point spread functions, and the loss of information by a weighting."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from collections.abc import Callable, Sequence
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class PsfFigures:
-    """Shapes of one PSF: under each weight, and of its main lobe; None of what has none."""
+    """Shapes of one PSF under each weight, and of its main lobe; None where a shape cannot be measured."""
 
     moments: "tuple[PsfShape | None, ...]"
     lobe: "MainLobe | None"
@@ -34,7 +34,7 @@ class PsfFigures:
 def measure_figures(
     name: str, image: "Float[Array, 'l m']", pixel: float, sigmas: Sequence[float]
 ) -> PsfFigures:
-    """Measure an image on pixels of ``pixel`` [rad] under Gaussian weights of these widths [arcsec]; notes name it."""
+    """Measure an image on pixels of ``pixel`` [rad] under Gaussian weights of these widths [arcsec]."""
     from uvshear.constants import ARCSEC
     from uvshear.interferometer.psf_shape import fit_main_lobe, measure_psf
 
@@ -43,7 +43,7 @@ def measure_figures(
 
 
 def told(name: str, measure: Callable[P, T], *arguments: P.args, **options: P.kwargs) -> T | None:
-    """Return what is measured; where it cannot be, say so under a name and return None."""
+    """Return the result of a measurement; if it fails, show the reason under a name and return None."""
     try:
         return measure(*arguments, **options)
     except InputError as error:
@@ -52,7 +52,7 @@ def told(name: str, measure: Callable[P, T], *arguments: P.args, **options: P.kw
 
 
 def shape_rows(figures: Sequence[PsfFigures], sigmas: Sequence[float]) -> list[tuple[str, ...]]:
-    """Lay out the shapes of PSFs, a column each."""
+    """Return the rows of the table with the shapes of PSFs, which are its columns."""
     from uvshear.constants import ARCSEC
 
     rows: list[tuple[str, ...]] = []
@@ -82,7 +82,7 @@ def _row(name: str, values: Sequence[T | None], shown: Callable[[T], str]) -> tu
 
 
 def loss_rows(loss: "WeightingLoss", scale_length_arcsec: float) -> list[tuple[str, ...]]:
-    """Lay out what a weighting has left of what natural weights have."""
+    """Return the rows of signal-to-noise ratios and information of weighted data, relative to natural weights."""
     disc = f"a disc of scale length {scale_length_arcsec:g} arcsec"
     return [
         ("SNR of a point source", "1", f"{loss.snr_point:.4f}"),

@@ -1,4 +1,4 @@
-"""Options that say which visibilities of Measurement Sets are read, for the commands that read them."""
+"""Options that select the visibilities of Measurement Sets, for the commands that read them."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from typing import TYPE_CHECKING, Annotated
@@ -28,7 +28,7 @@ FieldOption = Annotated[
     typer.Option(
         "--field",
         rich_help_panel=DATA,
-        help="Name or number of the field, where a set holds several.",
+        help="Name or number of the field, needed where a set has several.",
     ),
 ]
 ScansOption = Annotated[
@@ -36,7 +36,7 @@ ScansOption = Annotated[
     typer.Option(
         "--scans",
         rich_help_panel=DATA,
-        help="Scans to read, such as 3,5-8; all of them unless given.",
+        help="Scans to read, such as 3,5-8; all scans unless given.",
     ),
 ]
 ConjugateOption = Annotated[
@@ -44,7 +44,7 @@ ConjugateOption = Annotated[
     typer.Option(
         "--conjugate",
         rich_help_panel=DATA,
-        help="Take UVW with the opposite sign, for a set that mirrors the sky.",
+        help="Reverse the sign of UVW, for a set in which the sky would be mirrored.",
     ),
 ]
 
@@ -58,7 +58,7 @@ def reading_of(
     heeds_flags: bool = True,
     subtracted: str | None = None,
 ) -> "Reading":
-    """Put the options together; a number is a field's id, anything else its name."""
+    """Return the selection of the options; a number is a field's id, anything else its name."""
     from uvshear.io.reading import Reading
 
     chosen = int(field) if field is not None and field.isdecimal() else field
@@ -73,7 +73,7 @@ def reading_of(
 
 
 def scans_of(text: str) -> tuple[int, ...]:
-    """Numbers and ranges of numbers, joined by commas."""
+    """Return the scans of a list of numbers and ranges, which commas separate."""
     scans: list[int] = []
     for part in text.split(","):
         first, dash, last = part.strip().partition("-")

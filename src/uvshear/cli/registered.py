@@ -1,4 +1,4 @@
-"""Options whose value is a registered name, or MODULE:NAME of an object of the user's own."""
+"""Options whose value is a registered name, or the MODULE:NAME of an object of the user's own."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ PROFILES: Final = "exponential, gaussian, sersic-2, disc-bulge, or MODULE:NAME o
 
 @contextmanager
 def named_by(option: str, name: str) -> Iterator[None]:
-    """Let errors of a name that nobody knows, or that cannot be imported, begin with the option that has it."""
+    """Let errors about an unknown name, or one that cannot be imported, begin with its option."""
     try:
         yield
     except InputError as error:

@@ -50,7 +50,7 @@ def shear(
         typer.Option(
             callback=non_negative,
             rich_help_panel=DATA,
-            help="Catalogue flux below which galaxies are left out; shear moves no galaxy across this cut.",
+            help="Catalogue flux below which galaxies are left out; shear does not move galaxies across this cut.",
         ),
     ] = 0.0,
     calibration: Annotated[
@@ -64,8 +64,8 @@ def shear(
         typer.Option(
             metavar=PRIOR_METAVAR,
             rich_help_panel=METHOD,
-            help="Population of galaxies that bayesian assumes: the paper's, one that is fitted to the sources, or that"
-            " of a JSON file.",
+            help="Population of galaxies that bayesian assumes: that of the paper, one fitted to the sources, or one"
+            " read from a JSON file.",
         ),
     ] = PAPER,
     seed: Seed = 1,
@@ -129,7 +129,7 @@ def shear(
 
 
 def describe_population(record: "Mapping[str, Mapping[str, float]]") -> str:
-    """One line for the terminal with what was fitted of a population; empty where nothing was."""
+    """Return a line with the fitted parameters of a population; empty if none was fitted."""
     parts = [
         f"{part} {name} = {value:.3f} +- {values[f'{name}_err']:.3f}"
         for part, values in record.items()

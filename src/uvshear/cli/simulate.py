@@ -1,4 +1,4 @@
-"""``uvshear simulate``: a catalogue seen by an array, as a Measurement Set."""
+"""``uvshear simulate``: the observation of a catalogue with an array, as a Measurement Set."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 import math
@@ -46,7 +46,7 @@ EPILOG = (
 
 
 class NoiseOn(StrEnum):
-    """The quantity whose noise the radiometer equation gives."""
+    """Quantity to which the sigma of the radiometer equation applies."""
 
     STOKES_I = "stokes-i"
     CORRELATION = "correlation"
@@ -73,7 +73,8 @@ def simulate(
         Path,
         typer.Option(
             rich_help_panel=SKY,
-            help="Catalogue of galaxies. Columns shear1 and shear2, if it has them, shear each galaxy by itself.",
+            help="Catalogue of galaxies. If it has columns shear1 and shear2, each galaxy is sheared by its own"
+            " values.",
             show_default=False,
         ),
     ],
@@ -82,7 +83,7 @@ def simulate(
         typer.Option(
             callback=positive,
             rich_help_panel=ARRAY,
-            help="Duration of an integration.",
+            help="Integration time of a sample.",
             show_default=False,
         ),
     ],
@@ -102,7 +103,7 @@ def simulate(
         typer.Option(
             callback=declination,
             rich_help_panel=ARRAY,
-            help="Declination of the phase centre; that of the catalogue's field unless given.",
+            help="Declination of the phase centre; by default that of the catalogue's field.",
         ),
     ] = None,
     ra_deg: Annotated[
@@ -110,7 +111,7 @@ def simulate(
         typer.Option(
             callback=finite,
             rich_help_panel=ARRAY,
-            help="Right ascension of the phase centre; that of the catalogue's field, or 0, unless given.",
+            help="Right ascension of the phase centre; by default that of the catalogue's field, or 0.",
         ),
     ] = None,
     hours: Annotated[
@@ -127,7 +128,7 @@ def simulate(
             callback=hour_angle_ranges,
             metavar="A B",
             rich_help_panel=ARRAY,
-            help="Start and end of the track, in hours from transit; may be repeated.",
+            help="Start and end of the track, in hours from transit; the option may be repeated.",
         ),
     ] = None,
     channels: Annotated[
@@ -142,7 +143,7 @@ def simulate(
             callback=reduced_shear,
             metavar="G1 G2",
             rich_help_panel=SKY,
-            help="Reduced shear of all galaxies in the frame of local North, as TreeCorr takes RA and Dec.",
+            help="Reduced shear of all galaxies in the frame of local North (TreeCorr's convention for RA and Dec).",
         ),
     ] = (0.0, 0.0),
     legacy_shear: Annotated[
@@ -150,7 +151,7 @@ def simulate(
         typer.Option(
             "--legacy-shear",
             rich_help_panel=SKY,
-            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a lens"
+            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a real lens"
             " changes both.",
         ),
     ] = False,
@@ -160,7 +161,7 @@ def simulate(
             callback=positive_pair,
             metavar="UJY SNR",
             rich_help_panel=NOISE,
-            help="Flux of a galaxy of median size, and its signal-to-noise ratio, which sets the noise.",
+            help="Flux [uJy] and signal-to-noise ratio of a round galaxy of median size; they set the noise.",
         ),
     ] = None,
     sefd_jy: Annotated[
@@ -182,7 +183,8 @@ def simulate(
         NoiseOn,
         typer.Option(
             rich_help_panel=NOISE,
-            help="Quantity whose sigma the radiometer equation gives, Stokes I or a correlation, with --sefd-jy.",
+            help="Quantity to which the sigma of the radiometer equation applies, Stokes I or each correlation, with"
+            " --sefd-jy.",
         ),
     ] = NoiseOn.STOKES_I,
     no_noise: Annotated[
@@ -214,8 +216,8 @@ def simulate(
         typer.Option(
             "--smearing",
             rich_help_panel=MODEL,
-            help="Average over channels and integrations, as a correlator does; otherwise each sample is of one"
-            " frequency and one moment, as in the paper.",
+            help="Average over channels and integrations, as a correlator does; otherwise each sample is at a"
+            " single frequency and time, as in the paper.",
         ),
     ] = False,
     primary_beam: PrimaryBeamOption = NONE,
@@ -231,20 +233,20 @@ def simulate(
         str | None,
         typer.Option(
             rich_help_panel=DATA,
-            help="Unit of the catalogue's flux where its file has none (CSV).",
+            help="Unit of the catalogue's flux, for files without units (CSV).",
         ),
     ] = None,
     seed: Seed = 1,
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Simulate the observation of a catalogue, exactly, without gridding, and write a Measurement Set."""
+    """Simulate the observation of a catalogue by an exact sum without gridding, and write a Measurement Set."""
     if (hours is None) == (not hour_angles):
         raise InputError("--hours or --hour-angles: give one of the two")
     if snr_at is not None and sefd_jy is not None:
         raise InputError("--snr-at and --sefd-jy: give one of the two")
     if snr_at is None and sefd_jy is None and not no_noise:
-        raise InputError("--snr-at, --sefd-jy or --no-noise: give one to say how much noise")
+        raise InputError("--snr-at, --sefd-jy or --no-noise: give one of them to set the noise")
     sefd = None if sefd_jy is None else parse_sefd(sefd_jy)
     if hours is not None:
         ranges: tuple[Pair, ...] = ((-hours / 2 * 3600, hours / 2 * 3600),)
@@ -320,12 +322,12 @@ def phase_centre_of(
 
     field = sources.field_centre
     if declination_deg is None and field is None:
-        raise InputError("--declination-deg: the catalogue has no centre, so it is needed")
+        raise InputError("--declination-deg: is needed, because the catalogue has no field centre")
     ra = 0.0 if field is None else field.ra
     if ra_deg is not None:
         ra = math.radians(ra_deg)
     elif field is None and sources.ra is not None:
-        raise InputError("--ra-deg: the catalogue gives (ra, dec), so it is needed")
+        raise InputError("--ra-deg: is needed, because the catalogue has no field centre")
     if declination_deg is not None:
         return PhaseCentre(ra, math.radians(declination_deg))
     assert field is not None

@@ -1,4 +1,4 @@
-"""What the user sees: tables and a progress bar, the bar on a terminal only."""
+"""Output for the user: lines, tables, notes and, on a terminal only, a progress bar."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 import warnings
@@ -13,7 +13,7 @@ from uvshear.progress import Progress
 
 @contextmanager
 def progress_bar(description: str) -> Iterator[Progress]:
-    """Give a function that moves a bar on stderr; where stderr is no terminal the function does nothing."""
+    """Yield a function that updates a bar on stderr, or does nothing if stderr is not a terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
@@ -45,14 +45,14 @@ def show_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]
 
 
 def show_facts(title: str, facts: Sequence[tuple[str, str]]) -> None:
-    """Show names and what is so named on stdout, one pair a line."""
+    """Show pairs of a name and a value on stdout, one pair a line."""
     width = max(len(name) for name, _ in facts)
     say("\n".join([title, *(f"  {name:<{width}}  {fact}" for name, fact in facts)]))
 
 
 @contextmanager
 def notes_of_warnings() -> Iterator[None]:
-    """Show warnings about the data as notes on stderr, at once and each time."""
+    """Show warnings about the data as notes on stderr, each time that they are issued."""
     from uvshear.errors import DataWarning
 
     with warnings.catch_warnings():
@@ -70,7 +70,7 @@ def notes_of_warnings() -> Iterator[None]:
 
 
 def warn(text: str) -> None:
-    """Show a note on stderr: what a user should know of a run that goes on."""
+    """Show a note on stderr about a run that goes on."""
     typer.echo(f"uvshear: note: {text}", err=True)
 
 
@@ -80,5 +80,5 @@ def say(text: str) -> None:
 
 
 def shorten(name: str, longest: int = 32) -> str:
-    """Cut a name that would not fit over a picture."""
+    """Shorten a name that does not fit over a picture."""
     return name if len(name) <= longest else f"{name[: longest - 1]}…"

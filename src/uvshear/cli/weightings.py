@@ -1,4 +1,4 @@
-"""Options that weight baselines, under the names that imagers have for them."""
+"""Options of the weights of baselines, with the names that are usual in imagers."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ RobustOption = Annotated[
     ),
 ]
 USUAL_FIELD = 10.0
-"""Field of view whose inverse is the width of the uv cells, unless another is given [arcmin]."""
+"""Default field of view, whose inverse is the width of the uv cells [arcmin]."""
 
 WeightFieldOption = Annotated[
     float | None,
@@ -50,7 +50,7 @@ WeightFieldOption = Annotated[
         callback=positive,
         rich_help_panel=METHOD,
         help="Field of view whose inverse is the width of the uv cells of --weight uniform and briggs; 10 by default."
-        " An imager takes the width of its image, wsclean 1.2 times that.",
+        " Imagers use the width of the image, and wsclean 1.2 times that width.",
         show_default=False,
     ),
 ]
@@ -60,7 +60,7 @@ GaussianTaperOption = Annotated[
         "--taper-gaussian-arcsec",
         callback=positive,
         rich_help_panel=METHOD,
-        help="Gaussian taper, given by the FWHM of the beam that a point source gets.",
+        help="Gaussian taper, given by the FWHM of its Fourier transform on the sky.",
     ),
 ]
 TukeyTaperOption = Annotated[
@@ -104,7 +104,7 @@ class WeightChoice:
     round_psf: bool
 
     def weightings(self, uv_min: float, uv_max: float | None) -> "tuple[Weighting, ...]":
-        """Return weightings in the order of application, but for the uv range; none of natural weights."""
+        """Return the weightings in the order of application, without the uv range; natural weights have none."""
         import math
 
         from uvshear.constants import ARCSEC
@@ -118,7 +118,7 @@ class WeightChoice:
 
         if (self.robust is not None) != (self.weight is WeightName.BRIGGS):
             raise InputError(
-                f"--weight {self.weight.value}: --robust is for --weight briggs, which needs it"
+                f"--weight {self.weight.value}: --robust and --weight briggs go together"
             )
         if self.field_arcmin is not None and self.weight is WeightName.NATURAL:
             raise InputError(
@@ -126,17 +126,18 @@ class WeightChoice:
                 " --weight uniform or briggs is needed"
             )
         if self.taper_tukey is not None and uv_max is None:
-            raise InputError(f"--taper-tukey {self.taper_tukey:g}: --uv-max, its end, is needed")
+            raise InputError(
+                f"--taper-tukey {self.taper_tukey:g}: --uv-max is needed, where the taper ends"
+            )
         if self.taper_inner_tukey is not None and not uv_min:
             raise InputError(
-                f"--taper-inner-tukey {self.taper_inner_tukey:g}: --uv-min, its start, is needed"
+                f"--taper-inner-tukey {self.taper_inner_tukey:g}: --uv-min is needed, where the taper begins"
             )
         longest = math.inf if uv_max is None else uv_max
         rise, fall = self.taper_inner_tukey or 0.0, self.taper_tukey or 0.0
         if rise + fall > longest - uv_min:
             raise InputError(
-                f"--taper-inner-tukey {rise:g} --taper-tukey {fall:g}: longer than the uv range;"
-                " they must fit into it"
+                f"--taper-inner-tukey {rise:g} --taper-tukey {fall:g}: the tapers are longer than the uv range"
             )
         chosen: list[Weighting] = []
         field = math.radians((self.field_arcmin or USUAL_FIELD) / 60)

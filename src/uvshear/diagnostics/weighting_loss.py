@@ -63,7 +63,7 @@ def weighting_loss(
     alone = np.sqrt(np.diag(once))
     if not np.all(alone > 0) or np.linalg.cond(once / np.outer(alone, alone)) > WORST:
         raise InputError(
-            f"the weighted baselines do not tell the shape of a galaxy of scale length"
+            f"the weighted baselines do not determine the shape of a galaxy of scale length"
             f" {scale_length / ARCSEC:.3g} arcsec; a wider uv range, or another weighting, is needed"
         )
     by_beam = np.linalg.inv(once)

@@ -121,7 +121,7 @@ def fit_population(
     count = 4 if isinstance(start.ellipticity, DiscEllipticityPrior) else 2
     if len(galaxies) < 10 * count:
         raise InputError(
-            f"{len(galaxies)} galaxies: a population is fitted to {10 * count} or more"
+            f"{len(galaxies)} galaxies are too few to fit a population; {10 * count} or more are needed"
         )
     meter = meter or Meter(None)
     meter.expect(_FORESEEN * len(galaxies))

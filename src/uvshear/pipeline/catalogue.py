@@ -1,4 +1,4 @@
-"""A catalogue from whatever a user has of it."""
+"""A catalogue from any form in which it may be given."""
 
 from pathlib import Path
 from typing import TypeAlias
@@ -13,7 +13,7 @@ CatalogueLike: TypeAlias = Catalogue | Table | str | Path
 
 
 def catalogue_of(given: CatalogueLike) -> Catalogue:
-    """Return a catalogue from itself, from a table, or from a file."""
+    """Return a catalogue, which may be given as an object, as a table, or as the path of a file."""
     if isinstance(given, Catalogue):
         return given
     if isinstance(given, Table):

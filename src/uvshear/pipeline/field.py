@@ -1,4 +1,4 @@
-"""A catalogue as the extraction takes it: priors of the sources, the first sky, flags of what cannot be measured."""
+"""The field of an extraction from a catalogue: priors, an initial sky, and flags of sources that cannot be measured."""
 
 from dataclasses import replace
 

@@ -1,10 +1,10 @@
 """The measurement on one page: visibilities and a catalogue in, shapes out.
 
-1. Read the observation once: the lengths of its baselines, the map of its weights, and what a user must know of the
-   data before any work is done (``interferometer.first_pass``).
+1. Read the observation once: the lengths of its baselines, the map of its weights, and the checks of the data that
+   lead to warnings (``interferometer.first_pass``).
 2. Begin with a sky of round galaxies of the catalogue's fluxes and of median size (``pipeline.field``).
 3. Apply weightings other than the natural one, if any are asked for (``extraction.weighted_shapes``).
-4. Tell the sources apart and measure each without the others (``extraction``).
+4. Separate the sources and measure each with the others subtracted (``extraction``).
 5. Quote the signal-to-noise ratios of natural weights (``diagnostics.natural_snr``).
 6. Tabulate (``pipeline.tabulate``).
 """
@@ -55,29 +55,30 @@ def measure(
     catalogue
         Sources that are in the field, to be measured or to be subtracted.
     keep
-        Estimators of the shear whose statistics are kept beside the shapes: names joined by commas, or a sequence of
-        names and estimators.
+        Estimators of the shear whose statistics are stored with the shapes: names separated by commas, or a sequence
+        of names and estimators.
     model
-        What is believed of the galaxies and the dishes.
+        Assumptions about the galaxies and the dishes.
     method
-        How shapes are measured.
+        Algorithm of the measurement.
     resources
-        What may be used of the machine.
+        Executor and memory.
     progress
-        Called with what is done and what there is.
+        Function called with the work done so far and the total work.
 
     Raises
     ------
     InputError
-        An input is wrong. What goes wrong with a source is a flag in its row (``shapes.measurement.FitFlag``).
+        An input is wrong. A source that cannot be measured has a flag in its row instead
+        (``shapes.measurement.FitFlag``).
 
     Warns
     -----
     DataWarning
-        There is something about the data that a user should know; told before the work starts.
+        There is a problem in the data; warnings are issued before the work starts.
     """
     _check_types(model, method, resources)
-    # The shapes themselves are all that some estimators need.
+    # Some estimators need the shapes alone.
     kept = tuple(estimator for estimator in estimators_of(keep) if estimator.columns)
     options = MeasurementOptions(
         model or Model(), method or Method(), resources or Resources(), kept
@@ -104,7 +105,7 @@ def measure(
 
 
 def _check_types(model: object, method: object, resources: object) -> None:
-    """Refuse what is no model, method or resources, before anything is read."""
+    """Refuse arguments of the wrong type before anything is read."""
     for name, given, kind in (
         ("model", model, Model),
         ("method", method, Method),
@@ -152,7 +153,7 @@ def _extract(
 
 
 def _completed(extracted: Extracted, method: Method) -> dict[str, object]:
-    """Add to the record of an extraction what a residual image needs to know of it."""
+    """Return the record of an extraction with the facts that a residual image needs."""
     used = extracted.uv_range
     return dict(extracted.record) | {
         "uv_range": [used.minimum, used.maximum],

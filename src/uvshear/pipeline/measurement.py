@@ -1,4 +1,4 @@
-"""What a measurement gives: shapes, statistics, the sky that was found; in memory, or in files."""
+"""Results of a measurement: shapes, statistics and the fitted sky, in memory or in files."""
 
 from collections.abc import Mapping
 from contextlib import ExitStack
@@ -29,7 +29,7 @@ from uvshear.progress import Meter, Progress
 
 @dataclass(frozen=True)
 class MeasuredField:
-    """The observation that was measured, what was believed of it, and what may be used to work on it."""
+    """The observation that was measured, with its model, and the executor and memory for work on it."""
 
     observation: Observation
     summary: ObservationSummary
@@ -39,20 +39,21 @@ class MeasuredField:
 
 @dataclass(frozen=True, repr=False)
 class Measurement:
-    """Shapes of the sources of a catalogue, and what was found beside them.
+    """Shapes of the sources of a catalogue, with the statistics and the sky of the same fit.
 
     Parameters
     ----------
     shapes
         One row for every source of the catalogue, in its order, with units and descriptions (``io.shapes.COLUMNS``).
     statistics
-        What estimators of the shear need beside the shapes, one row for every source; None if nothing was kept.
+        Statistics that estimators of the shear need in addition to the shapes, one row for every source; None if none
+        were kept.
     sky
-        The sources that were subtracted, as they were found; a catalogue that can be simulated.
+        The sources that were subtracted, with their fitted parameters; a catalogue that can be simulated.
     record
-        How the extraction went.
+        Facts about the course of the extraction, such as the number of cycles.
     field
-        The observation that was measured; None of a measurement that was read from files.
+        The observation that was measured; None for a measurement that was read from files.
     """
 
     shapes: Table
@@ -80,7 +81,7 @@ class Measurement:
             [] if self.statistics is None else self.statistics.meta.get("estimators", "").split(",")
         )
         lines.append(
-            f"  statistics kept for: {', '.join(filter(None, kept)) or 'no estimator but the mean'}"
+            f"  statistics kept for: {', '.join(filter(None, kept)) or 'none (only `mean` can be used)'}"
         )
         told = [
             f"{name} {value}" for name, value in self.record.items() if not isinstance(value, list)
@@ -89,7 +90,7 @@ class Measurement:
         return "\n".join(lines)
 
     def write(self, path: str | Path, *, overwrite: bool = False) -> None:
-        """Write the shapes, and beside them the statistics and the sky (:func:`companions`); all or none of them."""
+        """Write files of the shapes, the statistics and the sky (:func:`companions`), all or none of them."""
         target = Path(path)
         check_outputs(target, overwrite=overwrite)
         statistics, sky = companions(target)
@@ -113,7 +114,7 @@ class Measurement:
             sky.unlink(missing_ok=True)
 
     def with_provenance(self, provenance: Provenance) -> Self:
-        """Return the measurement with what its files say of how they were made."""
+        """Return the measurement with the provenance that its files will have."""
         shapes = self.shapes.copy()
         shapes.meta.update(provenance.metadata())
         return replace(self, shapes=shapes)
@@ -126,20 +127,21 @@ class Measurement:
         resources: Resources | None = None,
         progress: Progress | None = None,
     ) -> DirtyAndResidual:
-        """Image the baselines that took part, and what is left of them without the sky that was found.
+        """Return the dirty image of the baselines that were used, and the residual image without the fitted sky.
 
         Parameters
         ----------
         observation, model
-            What was measured, and what was believed of it. A measurement that was read from files does not know them.
+            The observation that was measured, and the assumptions about it. They are needed if the measurement was read
+            from files.
         resources
-            What may be used of the machine.
+            Executor and memory.
         progress
-            Called with what is done and what there is.
+            Function called with the work done so far and the total work.
         """
         if self.sky is None:
             raise InputError(
-                "the fitted sky of this measurement is not known: the file of it does not lie beside the shapes"
+                "the fitted sky of this measurement is not known: its file is not in the directory of the shapes"
             )
         field = self._field(observation, model, resources)
         centre = field.observation.phase_centre
@@ -193,7 +195,7 @@ def check_outputs(shapes: Path, *, overwrite: bool, inputs: tuple[Path, ...] = (
 
 
 def read_measurement(path: str | Path) -> Measurement:
-    """Read the table of shapes of a measurement, and the files that lie beside it."""
+    """Read the table of shapes of a measurement, and the files that go with it."""
     target = Path(path)
     shapes = read_shapes(target)
     statistics, sky = companions(target)

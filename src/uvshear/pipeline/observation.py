@@ -1,4 +1,4 @@
-"""An observation from whatever a user has of it."""
+"""An observation from any form in which it may be given."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -13,7 +13,7 @@ ObservationLike: TypeAlias = Observation | str | Path | Sequence[str | Path]
 
 
 def observation_of(given: ObservationLike) -> Observation:
-    """Return an observation from itself, or open the file or files that have it."""
+    """Return an observation, which may be given as an object, or as the path or paths of its files."""
     if isinstance(given, str | Path | Sequence):
         return open_observation(given)
     if isinstance(given, Observation):
@@ -24,7 +24,7 @@ def observation_of(given: ObservationLike) -> Observation:
 
 
 def paths_of(given: ObservationLike) -> tuple[str, ...]:
-    """Return the paths of an observation that is given as files; none of one in memory."""
+    """Return the paths of an observation that is given as files; an observation in memory has none."""
     if isinstance(given, str | Path):
         return (str(given),)
     return tuple(str(path) for path in given) if isinstance(given, Sequence) else ()

@@ -1,4 +1,4 @@
-"""The sources of a measurement that an estimator of the shear is given."""
+"""The sample of sources from which an estimator of the shear works."""
 
 import numpy as np
 from astropy.table import Table
@@ -12,7 +12,7 @@ from uvshear.typing import Array, Bool
 
 
 def sample_of(measurement: Measurement, estimator: Estimator) -> Sample:
-    """All sources of a measurement, with the columns that the estimator takes.
+    """Return all sources of a measurement, with the columns that the estimator needs.
 
     Raises
     ------
@@ -32,10 +32,10 @@ def sample_of(measurement: Measurement, estimator: Estimator) -> Sample:
 def selected(
     shapes: Table, *, snr_min: float = 0.0, flux_min: float = 0.0, where: Array | None = None
 ) -> Bool[Array, " source"]:
-    """Choose sources without a flag, with a measured ``snr`` and a catalogue's flux [Jy] of at least so much.
+    """Choose sources without a flag, above limits of the measured ``snr`` and of the catalogue's flux [Jy].
 
-    Shear and noise move galaxies across a cut by ``snr``, which biases any shear; a lens without magnification leaves
-    the flux.
+    Shear and noise move galaxies across a cut by ``snr``, which biases any shear; a lens without magnification does
+    not change the flux.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def selected(
         mask = np.asarray(where)
         if mask.dtype != bool or mask.shape != chosen.shape:
             raise InputError(
-                f"where: a boolean for each of the {len(shapes)} rows of the shapes is needed,"
+                f"where: {len(shapes)} booleans are needed, one for each row of the shapes,"
                 f" not {mask.dtype} of shape {mask.shape}"
             )
         chosen &= mask
@@ -61,7 +61,7 @@ def _kept(measurement: Measurement, estimator: Estimator, name: str) -> Array:
     table = measurement.statistics
     if table is None or name not in table.colnames:
         raise InputError(
-            f"the statistics of the estimator '{estimator.name}' are not beside the shapes;"
+            f"the statistics of the estimator '{estimator.name}' were not kept with the shapes;"
             f" measure again with --keep {estimator.name}"
         )
     column = table[name]

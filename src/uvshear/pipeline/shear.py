@@ -1,4 +1,4 @@
-"""From a measurement to a shear."""
+"""Estimation of a shear from a measurement."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -33,14 +33,14 @@ def estimate_shear(
     executor: Executor = SERIAL,
     progress: Progress | None = None,
 ) -> ShearEstimate:
-    """Shear of the sources of a measurement, in total and by flux, in the frame of the sky.
+    """Estimate the shear of the sources of a measurement, in total and by flux, in the frame of the sky.
 
     Parameters
     ----------
     measurement
         Measured sources with the statistics of the estimator.
     estimator
-        Estimator, or its name. The mean of ellipticities, which it is unless given, is biased by noise.
+        Estimator, or its name. The default, the mean of ellipticities, is biased by noise.
     snr_min
         Measured signal-to-noise ratio below which sources are left out.
     flux_min
@@ -53,7 +53,7 @@ def estimate_shear(
     Raises
     ------
     InputError
-        The statistics of the estimator were not kept, or fewer than two sources tell anything of the shear.
+        The statistics of the estimator were not kept, or fewer than two sources contribute to the shear.
     """
     method = estimator_of(estimator)
     bias = read_correction(correction) if isinstance(correction, str | Path) else correction
@@ -71,7 +71,7 @@ def estimate_shear(
 
 
 def as_measurement(given: MeasurementLike) -> Measurement:
-    """Return a measurement from itself, from a table of shapes, or from a file."""
+    """Return a measurement, which may be given as an object, as a table of shapes, or as the path of a file."""
     if isinstance(given, Measurement):
         return given
     if isinstance(given, Table):

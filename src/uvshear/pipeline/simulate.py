@@ -1,4 +1,4 @@
-"""Let an array observe the galaxies of a catalogue."""
+"""Simulation of the observation of a catalogue."""
 
 from collections.abc import Callable
 from typing import TypeAlias
@@ -19,7 +19,7 @@ from uvshear.simulation.observation import SimulatedObservation
 from uvshear.typing import Array, Complex
 
 Lens: TypeAlias = Callable[[Galaxies, complex | Complex[Array, " source"]], Galaxies]
-"""What a reduced shear in the frame of (l, m) does to galaxies."""
+"""Effect of a reduced shear in the frame of (l, m) on galaxies."""
 
 
 def simulate(
@@ -33,25 +33,26 @@ def simulate(
     seed: int | None = 1,
     executor: Executor = SERIAL,
 ) -> SimulatedObservation:
-    """Let an array observe the galaxies of a catalogue.
+    """Simulate the observation of a catalogue with an array.
 
-    What comes back is an observation to be measured as it is; ``io.measurement_set_writer`` puts it into a
+    The result is an observation that can be measured directly; ``io.measurement_set_writer`` writes it to a
     Measurement Set.
 
     Parameters
     ----------
     catalogue
-        Galaxies, or the file that has them. A shear that it gives source by source is applied.
+        Galaxies, or the file that has them; if it has shears of its own, they are applied.
     plan
-        What is observed, for how long and with which array.
+        Array, track and channels of the observation.
     noise
-        Noise by its SEFD (``StokesINoise``, ``CorrelationNoise``), as it is (``ScaledNoise``), or by its effect
-        (``GalaxyNoise``); the median galaxy of 10 uJy at a signal-to-noise ratio of 10 unless given.
+        Noise that is set by an SEFD (``StokesINoise``, ``CorrelationNoise``), by its standard deviation
+        (``ScaledNoise``), or by the signal-to-noise ratio of a galaxy (``GalaxyNoise``, the default, with a ratio of
+        10 for a galaxy of 10 uJy and of median size).
     shear
-        Reduced shear g1 + i g2 of all galaxies, in the frame of the sky (local North, as TreeCorr takes RA and Dec);
-        it comes on top of the catalogue's own.
+        Reduced shear g1 + i g2 of all galaxies, in the frame of the sky (local North, TreeCorr's convention for RA
+        and Dec), in addition to the catalogue's own.
     lens
-        What a shear does to galaxies: ``shear_galaxies``, or the paper's ``shear_at_fixed_scale_length``.
+        Effect of a shear on galaxies: ``shear_galaxies``, or the paper's ``shear_at_fixed_scale_length``.
     seed
         Seed of the noise; None adds none and keeps the weights.
     """

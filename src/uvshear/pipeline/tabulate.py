@@ -1,4 +1,4 @@
-"""What was extracted, as the table of shapes and as the sky that was found."""
+"""Results of an extraction as the table of shapes and as the catalogue of the fitted sky."""
 
 import numpy as np
 from astropy.table import Table
@@ -14,7 +14,7 @@ from uvshear.shapes.table_row import shape_values
 def tabulate_shapes(
     sources: Catalogue, field: Field, extracted: Extracted, phase_centre: PhaseCentre, model: Model
 ) -> Table:
-    """Table of shapes: one row for every source of the catalogue, in its order."""
+    """Return the table of shapes, with one row for every source of the catalogue, in its order."""
     results = [
         extracted.measurements.get(source, ShapeMeasurement.failed(flag))
         for source, flag in enumerate(field.flags)
@@ -37,7 +37,7 @@ def tabulate_shapes(
 def catalogue_of_sky(
     sources: Catalogue, field: Field, extracted: Extracted, phase_centre: PhaseCentre
 ) -> Catalogue:
-    """Catalogue of the sources that were subtracted, as they were found: position, flux, size and ellipticity.
+    """Return the sources that were subtracted, with their fitted positions, fluxes, sizes and ellipticities.
 
     Sources without flux are not in it.
     """

@@ -35,8 +35,9 @@ class ScaleLengths(CellRule):
     """2 ceil(uv_max x number x alpha) cells, with uv_max in wavelengths at the fluxes' reference frequency.
 
     This is the convention of the authors' program (``facet_size`` of RadioLensfit2, REF_FREQ 1.4 GHz): at 1.07 GHz a
-    facet of 38 scale lengths is 49.7 wide. With uv_max at the observing frequency the slopes of facets as its users
-    make them, 0.958 and 0.947, are not reproduced but would be 0.952 and 0.907.
+    facet of 38 scale lengths is 49.7 wide. With uv_max at the observing frequency the slopes of
+    measured against true ellipticity would be 0.952 and 0.907, whereas the authors' own C++ program has 0.958 and 0.947
+    with facets of 38 scale lengths.
     """
 
     number: float = 38.0
