@@ -14,6 +14,7 @@ PACKAGE = ROOT / "src" / "uvshear"
 MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path.stem != "__init__")
 
 TESTED_ELSEWHERE = {
+    "__main__.py": "`python -m uvshear` is tested with the command line.",
     "**/kernels.py": "Compiled loops are tested through the module that calls them.",
     "cli/*.py": "Commands and their options are tested by running the commands.",
     "compilation.py": "The decorator of the kernels holds no logic.",

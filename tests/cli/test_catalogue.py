@@ -86,8 +86,8 @@ def test_a_wrong_number_is_named_and_nothing_written(
     ("name", "message"),
     [
         ("nowhere/cat.fits", "does not exist"),
-        ("cat.docx", "give .ecsv, .fits"),
-        ("cat", "give .ecsv, .fits"),
+        ("cat.docx", "the format of the table: .ecsv, .fits"),
+        ("cat", "the format of the table: .ecsv, .fits"),
         ("there.fits", "exists already; give --overwrite"),
     ],
 )

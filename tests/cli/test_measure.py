@@ -208,7 +208,7 @@ def test_a_wrong_option_is_named_and_nothing_written(
         (("field.ms", "absent.fits", "shapes.fits"), "absent.fits: no such file"),
         (("field.ms", "field.ms", "shapes.fits"), "is a directory; a catalogue is needed"),
         (("field.ms", "cat.csv", "shapes.fits"), "column 'flux' has no unit"),
-        (("field.ms", "cat.ecsv", "shapes.txt"), "give .ecsv, .fits"),
+        (("field.ms", "cat.ecsv", "shapes.txt"), "the format of the table: .ecsv, .fits"),
         (("field.ms", "cat.ecsv", "nowhere/shapes.fits"), "does not exist"),
         (("field.ms", "cat.ecsv", "cat.ecsv"), "exists already; give --overwrite"),
     ],

@@ -96,7 +96,7 @@ def test_what_baselines_cannot_tell_is_said(
         ("psf absent.ms", "absent.ms"),
         ("psf field.ms -o nowhere/psf.png", "does not exist"),
         ("layouts alma", "neither a known array"),
-        ("layouts vla-a -o map.docx", "the extension names no format of pictures"),
+        ("layouts vla-a -o map.docx", "extension"),
         ("demo cat.ecsv", "is a file; a directory is needed"),
         ("demo /proc/demo", "cannot be created"),
         ("demo full", "exists already; give --overwrite or another directory"),

@@ -190,6 +190,18 @@ def test_bins_of_enough_galaxies_have_a_shear_of_their_own():
     assert found.n == 64
 
 
+def test_a_bin_has_the_shear_that_its_galaxies_have_alone():
+    """Bins are worked on together with the whole sample, each about its own shear."""
+    rng = np.random.default_rng(2)
+    columns = _numbers(rng, 70)
+    columns["flux"] = np.where(np.arange(70) % 3 == 0, 1.5e-5, 3e-5)
+    sample = Sample(columns, rng.uniform(-1, 1, 70))
+    found = estimate_sample_shear(Moments(), sample)
+    for name, flux in (("10-20 uJy", 1.5e-5), ("20-50 uJy", 3e-5)):
+        alone = estimate_sample_shear(Moments(), sample.select(columns["flux"] == flux))
+        assert found.bins[name] == replace(alone, bins={}, assumed={})
+
+
 def test_a_bin_of_galaxies_that_tell_nothing_is_left_out():
     flux = np.concatenate([np.full(30, 1.5e-5), np.full(30, 3e-5)])
     columns = {**_by_flux(60), "flux": flux}
@@ -204,7 +216,7 @@ def test_a_sample_without_fluxes_has_no_bins():
 def test_too_few_galaxies_are_told():
     columns = _by_flux(5)
     columns["weight"][1:] = 0
-    with pytest.raises(InputError, match="the shear of 5 galaxies, of which 1 contribute"):
+    with pytest.raises(InputError, match="of 5 galaxies, fewer than 2 contribute"):
         estimate_sample_shear(Mean(), Sample(columns, np.zeros(5)))
 
 

@@ -19,7 +19,7 @@ def test_an_extraction_of_a_users_own_is_found_by_its_module():
 
 
 def test_what_is_no_extraction_is_refused():
-    with pytest.raises(InputError, match="is no Extraction but a"):
+    with pytest.raises(InputError, match="is not an Extraction but has the type"):
         extraction_named("uvshear.extraction.model:Model")
 
 

@@ -138,10 +138,10 @@ def test_hour_angles_under_the_horizon_are_an_error():
     ("hour_angles", "integration", "message"),
     [
         ((), 60.0, "no range"),
-        (((1.0, 0.5),), 60.0, "needs start < stop"),
+        (((1.0, 0.5),), 60.0, "start < stop is needed"),
         (((0.0, 0.5), (0.4, 0.6)), 60.0, "overlap at 1.5"),
         (((0.0, 0.5),), 0.0, "integration is 0 s; it must be positive"),
-        (((0.0, float("nan")),), 1.0, "needs start < stop"),
+        (((0.0, float("nan")),), 1.0, "start < stop is needed"),
     ],
 )
 def test_a_wrong_track_is_refused(hour_angles, integration, message):

@@ -114,5 +114,5 @@ def test_an_unknown_name_lists_the_known_ones():
 
 
 def test_a_layout_needs_a_name_for_each_antenna():
-    with pytest.raises(InputError, match="one name, position and diameter"):
+    with pytest.raises(InputError, match="one name, one position and one diameter"):
         ArrayLayout("x", ("A",), np.zeros((2, 3)), np.ones(2), "")

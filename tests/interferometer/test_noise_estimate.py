@@ -77,5 +77,5 @@ def test_each_set_is_scaled_to_its_own_noise():
     quiet = VisibilitySet(PhaseCentre(0.0, 0.0), (_seen(4),))
     scaled = scaled_to_its_noise(quiet)
     assert noise_over_weights(scaled) == pytest.approx(1.0, rel=1e-3)
-    with pytest.raises(InputError, match="neighbouring samples do not tell"):
+    with pytest.raises(InputError, match="cannot be estimated from neighbouring samples"):
         scaled_to_its_noise(VisibilitySet(PhaseCentre(0.0, 0.0), ()))

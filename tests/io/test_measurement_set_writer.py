@@ -222,7 +222,9 @@ def test_what_is_no_measurement_set_is_never_overwritten(tmp_path):
     precious = tmp_path / "thesis"
     precious.mkdir()
     (precious / "chapter").write_text("1")
-    with pytest.raises(InputError, match="thesis: is not a Measurement Set, and is not overwr"):
+    with pytest.raises(
+        InputError, match="thesis: is not a Measurement Set, and will not be overwr"
+    ):
         write_measurement_set(precious, simulated(), overwrite=True)
     assert (precious / "chapter").read_text() == "1"
 

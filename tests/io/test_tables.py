@@ -31,7 +31,7 @@ def test_an_existing_table_is_replaced_only_on_request(tmp_path):
 
 @pytest.mark.parametrize("name", ["table.txt", "table", "table.csv"])
 def test_an_extension_without_a_writer_is_refused(tmp_path, name):
-    with pytest.raises(InputError, match=r"give \.ecsv, \.fits, \.vot"):
+    with pytest.raises(InputError, match=r"the format of the table: \.ecsv, \.fits, \.vot"):
         check_table_name(tmp_path / name)
 
 

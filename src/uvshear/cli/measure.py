@@ -28,6 +28,7 @@ from uvshear.cli.reading import (
     reading_of,
 )
 from uvshear.cli.registered import PROFILES, named_by, profile_named_by_option
+from uvshear.cli.residual_images import check_residual_image, draw_residual
 from uvshear.cli.terminal import notes_of_warnings, progress_bar, say, shorten, warn
 from uvshear.cli.weightings import (
     GaussianTaperOption,
@@ -40,13 +41,11 @@ from uvshear.cli.weightings import (
     WeightName,
     WeightOption,
 )
-from uvshear.constants import MICROJANSKY
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from uvshear.diagnostics.residual_image import DirtyAndResidual
     from uvshear.galaxy import SizeModel
     from uvshear.interferometer.visibilities import Observation
     from uvshear.io.catalogue import Catalogue
@@ -339,7 +338,9 @@ def measure(
             made.metadata(),
             overwrite=overwrite,
         )
-        _draw(images, shorten(measurement_sets[0].name), residual_image, overwrite=overwrite)
+        draw_residual(
+            images, shorten(measurement_sets[0].name), residual_image, overwrite=overwrite
+        )
 
 
 def observed(paths: list[Path], reading: "Reading", noise: NoiseName) -> "Observation":
@@ -363,39 +364,6 @@ def size_of(name: SizePriorName, sources: "Catalogue", path: Path) -> "SizeModel
             f"{path}: has no column 'scale_length', which --size-prior catalogue needs"
         )
     return CatalogueSize()
-
-
-def _draw(images: "DirtyAndResidual", title: str, path: Path, *, overwrite: bool) -> None:
-    """Draw the images, and print the rms of the residual."""
-    from uvshear.plot import draw_residual_image, save
-
-    picture = picture_of(path)
-    save(draw_residual_image(images, title), picture, overwrite=overwrite)
-    rms, noise = images.rms / MICROJANSKY, images.noise / MICROJANSKY
-    say(
-        f"{path}, {picture}: the rms of the residual is {rms:.4g} uJy/beam, and the thermal noise is"
-        f" {noise:.4g} uJy/beam"
-    )
-
-
-def picture_of(image: Path) -> Path:
-    """Return the name of the picture that goes with an image."""
-    return image.with_suffix(".png")
-
-
-def check_residual_image(image: Path, output: Path, catalogue: Path, *, overwrite: bool) -> None:
-    """Refuse a residual image that cannot be written, or whose picture cannot, before anything is computed."""
-    from uvshear.io.images import check_image_name
-    from uvshear.io.outputs import check_file
-    from uvshear.pipeline.measurement import companions
-
-    check_image_name(image)
-    for path in (image, picture_of(image)):
-        if path.absolute() in {other.absolute() for other in (output, *companions(output))}:
-            raise InputError(
-                f"--residual-image {image}: {path} is also an output of -o {output}; give two names"
-            )
-        check_file(path, overwrite=overwrite, inputs=(catalogue,))
 
 
 def tell_convergence(record: "Mapping[str, object]") -> None:

@@ -1,6 +1,6 @@
 """The shear of a sample by an estimator, in total and by flux."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import replace
 
 from uvshear.errors import InputError
@@ -12,6 +12,7 @@ from uvshear.estimators.terms import Terms, shear_in_field_frame
 from uvshear.estimators.uncertainty import ratio
 from uvshear.execution import SERIAL, Executor
 from uvshear.progress import Meter
+from uvshear.typing import Array, Bool
 
 ROUNDS = 3
 """Iterations of the expansion about the estimate; the remaining error is of fourth order in that of the first."""
@@ -52,38 +53,76 @@ def estimate_sample_shear(
                 f"the estimator '{estimator.name}' wraps '{estimator.learner.name}', which learns from a sample; this"
                 f" must happen before the measurement, because the statistics depend on it"
             )
-        first = _estimate(estimator, sample, executor, meter)
-        estimator = estimator.trained(sample, first.shear, meter)
-    total = _estimate(estimator, sample, executor, meter)
-    bins = dict(_by_flux(estimator, sample, executor, meter))
-    return replace(total, bins=bins, assumed=estimator.record())
+        (first,) = _estimates(estimator, sample, [slice(None)], executor, meter)
+        estimator = estimator.trained(sample, _known(first, sample).shear, meter)
+    bins = _bins(sample)
+    total, *parts = _estimates(estimator, sample, [slice(None), *bins.values()], executor, meter)
+    found = {
+        name: part
+        for name, part in zip(bins, parts, strict=True)
+        if part is not None and part.n >= FEWEST
+    }
+    return replace(_known(total, sample), bins=found, assumed=estimator.record())
 
 
-def _estimate(
-    estimator: Estimator, sample: Sample, executor: Executor, meter: Meter
-) -> ShearEstimate:
-    rounds = ROUNDS if estimator.is_expanded else 1
-    meter.expect(rounds * len(sample))
-    about = 0j
-    for number in range(1, rounds + 1):
-        terms = sky_terms(estimator, sample, about, executor, meter)
-        told = terms.select(terms.tells)
-        if len(told) < LEAST:
-            raise InputError(
-                f"the shear of {len(sample)} galaxies, of which {len(told)} contribute to it; {LEAST} or more such"
-                f" galaxies are needed"
-            )
-        found = ratio(told)
-        if number < rounds:
-            about = within_reach(about + complex(*found))
-    error = estimator.uncertainty.error(told)
-    shear = about + complex(*found)
+def _known(estimate: ShearEstimate | None, sample: Sample) -> ShearEstimate:
+    if estimate is None:
+        raise InputError(
+            f"of {len(sample)} galaxies, fewer than {LEAST} contribute to the shear; {LEAST} or more are needed"
+        )
+    return estimate
+
+
+def _bins(sample: Sample) -> dict[str, Bool[Array, " source"]]:
+    """Return the masks of the bins of flux that have enough sources."""
+    if "flux" not in sample.columns:
+        return {}
+    inside = {flux_bin.name: flux_bin.holds(sample["flux"]) for flux_bin in FLUX_BINS}
+    return {name: mask for name, mask in inside.items() if mask.sum() >= FEWEST}
+
+
+def _estimates(
+    estimator: Estimator,
+    sample: Sample,
+    groups: Sequence[Bool[Array, " source"] | slice],
+    executor: Executor,
+    meter: Meter,
+) -> list[ShearEstimate | None]:
+    """Estimate the shear of each group of sources; None for a group to which fewer than ``LEAST`` contribute."""
+    members = [sample.select(group) for group in groups]
+    further = ROUNDS - 1 if estimator.is_expanded else 0
+    meter.expect(len(sample) + further * sum(map(len, members)))
+    # About zero shear, the terms of a group are among those of the sample.
+    everyone = sky_terms(estimator, sample, 0j, executor, meter)
+    terms = [everyone.select(group) for group in groups]
+    about = [0j] * len(groups)
+    for _ in range(further):
+        about = [
+            within_reach(_shear(each, expansion))
+            for each, expansion in zip(terms, about, strict=True)
+        ]
+        terms = _terms_about(estimator, members, about, executor, meter)
+    return [_estimate(estimator, each, g) for each, g in zip(terms, about, strict=True)]
+
+
+def _shear(terms: Terms, about: complex) -> complex:
+    """Return the shear from terms that are expanded about another one, or that one if too few sources contribute."""
+    contributing = terms.select(terms.tells)
+    return about if len(contributing) < LEAST else about + complex(*ratio(contributing))
+
+
+def _estimate(estimator: Estimator, terms: Terms, about: complex) -> ShearEstimate | None:
+    contributing = terms.select(terms.tells)
+    if len(contributing) < LEAST:
+        return None
+    shear = about + complex(*ratio(contributing))
+    error = estimator.uncertainty.error(contributing)
     return ShearEstimate(
         g1=shear.real,
         g1_err=float(error[0]),
         g2=shear.imag,
         g2_err=float(error[1]),
-        n=len(told),
+        n=len(contributing),
         estimator=estimator.name,
     )
 
@@ -96,23 +135,35 @@ def sky_terms(
     meter: Meter | None = None,
 ) -> Terms:
     """Return the terms of every source in the frame of the sky, expanded about a shear in that frame."""
-    parts = [
-        sample.select(slice(first, first + PART)) for first in range(0, max(len(sample), 1), PART)
-    ]
-    # A single part is not worth a process of its own.
-    runner = executor if len(parts) > 1 else SERIAL
-    found = []
-    for part, terms in zip(
-        parts, runner.distribute(_terms_of_part, (estimator, about), parts), strict=True
-    ):
-        found.append(terms)
-        if meter is not None:
-            meter.add(len(part))
-    return Terms.joined(found)
+    (terms,) = _terms_about(estimator, [sample], [about], executor, meter or Meter(None))
+    return terms
 
 
-def _terms_of_part(setting: tuple[Estimator, complex], part: Sample) -> Terms:
-    estimator, about = setting
+def _terms_about(
+    estimator: Estimator,
+    samples: Sequence[Sample],
+    about: Sequence[complex],
+    executor: Executor,
+    meter: Meter,
+) -> list[Terms]:
+    """Return the terms of several samples, each expanded about a shear of its own; all are divided into tasks."""
+    tasks, owner = [], []
+    for number, (sample, shear) in enumerate(zip(samples, about, strict=True)):
+        for first in range(0, len(sample), PART):
+            tasks.append((sample.select(slice(first, first + PART)), shear))
+            owner.append(number)
+    # A single task is not worth a process of its own.
+    runner = executor if len(tasks) > 1 else SERIAL
+    found: list[list[Terms]] = [[] for _ in samples]
+    results = runner.distribute(_terms_of_part, estimator, tasks)
+    for number, (part, _), terms in zip(owner, tasks, results, strict=True):
+        found[number].append(terms)
+        meter.add(len(part))
+    return [Terms.joined(parts) for parts in found]
+
+
+def _terms_of_part(estimator: Estimator, task: tuple[Sample, complex]) -> Terms:
+    part, about = task
     local = shear_in_field_frame(about, part.local_north)
     return estimator.terms(part, local).in_sky_frame(part.local_north)
 
@@ -120,22 +171,3 @@ def _terms_of_part(setting: tuple[Estimator, complex], part: Sample) -> Terms:
 def within_reach(shear: complex) -> complex:
     """Return the shear, or one of modulus ``LARGEST`` in its direction: the shear of few galaxies may be larger."""
     return shear * min(1.0, LARGEST / max(abs(shear), 1e-12))
-
-
-def _by_flux(
-    estimator: Estimator, sample: Sample, executor: Executor, meter: Meter
-) -> Iterator[tuple[str, ShearEstimate]]:
-    """Yield the shear of the sources in each bin of the catalogue's flux that has enough of them."""
-    if "flux" not in sample.columns:
-        return
-    for flux_bin in FLUX_BINS:
-        inside = flux_bin.holds(sample["flux"])
-        if inside.sum() < FEWEST:
-            continue
-        try:
-            found = _estimate(estimator, sample.select(inside), executor, meter)
-        except InputError:
-            # Too few of them contribute to the shear.
-            continue
-        if found.n >= FEWEST:
-            yield flux_bin.name, found

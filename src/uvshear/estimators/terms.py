@@ -42,7 +42,7 @@ class Terms:
         )
         return is_finite & (self.response != 0).any(axis=(1, 2))
 
-    def select(self, chosen: Bool[Array, " source"] | Int[Array, " chosen"]) -> Self:
+    def select(self, chosen: Bool[Array, " source"] | Int[Array, " chosen"] | slice) -> Self:
         """Return the terms of some of the sources."""
         return type(self)(self.value[chosen], self.response[chosen])
 

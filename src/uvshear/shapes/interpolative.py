@@ -13,13 +13,13 @@ cells and similar weights.
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from threading import Lock
 from typing import Self
 
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 from scipy.stats import qmc
 
+from uvshear.execution.once import KeptOnce
 from uvshear.galaxy import Profile
 from uvshear.geometry.ellipticity import quadratic_form
 from uvshear.interferometer.facet import Facet
@@ -159,8 +159,7 @@ class DecompositionCache:
 
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
-        self._known: dict[tuple[Hashable, float, int, float], TemplateDecomposition] = {}
-        self._lock = Lock()
+        self._kept: KeptOnce[TemplateDecomposition] = KeptOnce()
 
     def decomposition(
         self, facet: Facet, cells: Hashable, prior: ShapePrior
@@ -178,20 +177,11 @@ class DecompositionCache:
         """
         step, sigma = round(prior.log_scale_length / _SIZE_STEP), prior.log_scale_length_sigma
         beam = round(float(facet.power[0] / np.mean(facet.power)), 4)
-        key = cells, beam, step, sigma
-        # One thread makes it; the result is the same whichever thread is first.
-        with self._lock:
-            if key not in self._known:
-                middle, reach = step * _SIZE_STEP, _SIZE_REACH * sigma + _SIZE_STEP / 2
-                sizes = middle - reach, middle + reach
-                self._known[key] = TemplateDecomposition.from_facet(facet, self._profile, sizes)
-            return self._known[key]
 
-    def __getstate__(self) -> dict[str, object]:
-        """Leave out the lock, which cannot be sent to another process."""
-        return {"_profile": self._profile, "_known": self._known}
+        def work_out() -> TemplateDecomposition:
+            middle, reach = step * _SIZE_STEP, _SIZE_REACH * sigma + _SIZE_STEP / 2
+            return TemplateDecomposition.from_facet(
+                facet, self._profile, (middle - reach, middle + reach)
+            )
 
-    def __setstate__(self, state: dict[str, object]) -> None:
-        """Create a new lock."""
-        self.__dict__.update(state)
-        self._lock = Lock()
+        return self._kept.value((cells, beam, step, sigma), work_out)

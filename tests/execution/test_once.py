@@ -1,0 +1,31 @@
+import pickle
+import time
+
+from uvshear.execution import Threads
+from uvshear.execution.once import KeptOnce
+
+
+def test_a_value_is_worked_out_once_however_many_threads_ask():
+    kept, calls = KeptOnce(), []
+
+    def work_out():
+        calls.append(1)
+        time.sleep(0.01)
+        return len(calls)
+
+    found = list(Threads(4).map(lambda _: kept.value("key", work_out), range(8)))
+    assert found == [1] * 8
+    assert len(kept) == 1
+
+
+def test_each_key_has_its_own_value():
+    kept = KeptOnce()
+    assert [kept.value(key, lambda key=key: 2 * key) for key in (1, 2, 1)] == [2, 4, 2]
+
+
+def test_what_is_kept_travels_between_processes():
+    kept = KeptOnce()
+    kept.value("key", lambda: 3)
+    there = pickle.loads(pickle.dumps(kept))
+    assert there.value("key", lambda: 4) == 3
+    assert pickle.loads(pickle.dumps(KeptOnce())).value("key", lambda: 5) == 5
