@@ -109,7 +109,7 @@ def test_the_same_seed_gives_the_same_error(
             "the estimator 'absent:Mine' cannot be imported",
         ),
         ("shapes.fits", "--snr-min -3", "'--snr-min': -3 is not 0 or more"),
-        ("shapes.fits", "--snr-min 1e9", "2 or more such galaxies are needed"),
+        ("shapes.fits", "--snr-min 1e9", "2 or more are needed"),
         ("shapes.fits", "--seed -3", "--seed"),
     ],
 )

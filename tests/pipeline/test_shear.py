@@ -35,7 +35,7 @@ def test_cuts_and_masks_choose_the_sources(kept):
     assert estimate_shear(kept).n == 4
     assert estimate_shear(kept, flux_min=0.9e-3).n == 2
     assert estimate_shear(kept, where=np.arange(7) < 3).n == 2
-    with pytest.raises(InputError, match="2 or more such galaxies are needed"):
+    with pytest.raises(InputError, match="2 or more are needed"):
         estimate_shear(kept, snr_min=1e9)
 
 
