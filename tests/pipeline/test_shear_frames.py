@@ -1,6 +1,6 @@
 """The frame of shears, from simulated galaxies through shapes and estimates to TreeCorr.
 
-Two degrees from the pole local North turns by thirteen degrees from the centre of the field to its eastern edge.
+Near the pole local North turns by sixteen degrees from the centre of the field to its eastern edge.
 Galaxies stand in eight directions from the centre, in pairs of opposite intrinsic ellipticities, so that a shear shows
 in each direction without the noise of their shapes.
 """
@@ -17,20 +17,20 @@ import uvshear
 from uvshear.estimators import estimate_sample_shear, estimator_of
 from uvshear.pipeline.sample import sample_of
 
-CENTRE = uvshear.PhaseCentre(np.radians(40.0), np.radians(88.0))
-MIDDLE = SkyCoord(40.0, 88.0, unit="deg")
+CENTRE = uvshear.PhaseCentre(np.radians(40.0), np.radians(89.3))
+MIDDLE = SkyCoord(40.0, 89.3, unit="deg")
 BEARING = np.repeat(np.arange(8) * 45.0, 4)
 """Position angle of each galaxy from the centre, from North through East [deg]."""
 
-RADIUS = np.tile([22.0, 24.0, 26.0, 28.0], 8)
+RADIUS = np.tile([9.0, 10.2, 11.4, 12.6], 8)
 """Distance of each galaxy from the centre [arcmin]."""
 
 CONSTANT = 0.06 + 0.04j
 TANGENTIAL = 0.07
-TOLERANCE = 0.02
-"""Error of a shear by four galaxies (0.013 at most was seen); that of the whole field is smaller, but for the Bayesian
-estimate, which needs more galaxies than these. The wrong sign of a component costs 0.08 or 0.14, and without the turn
-of local North the eastern and western shears are off by 0.03."""
+OF_DIRECTION, OF_FIELD = 0.022, 0.01
+"""Largest errors of a shear: 0.017 was measured for the four galaxies of a direction, 0.004 for the whole field. A
+component of the wrong sign is off by 0.08 or 0.14, and without the turn of local North eastern and western shears are
+off by 0.035."""
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*times what the weights claim")
 
@@ -81,7 +81,7 @@ def sheared(request, places):
         uvshear.Track.from_clock(CENTRE, ((-14400, 14400),), 900),
         uvshear.Channels.from_band(1.39e9, 1.41e9, 1),
     )
-    observation = uvshear.simulate(catalogue, plan, noise=uvshear.GalaxyNoise(snr=40.0), seed=3)
+    observation = uvshear.simulate(catalogue, plan, noise=uvshear.GalaxyNoise(snr=30.0), seed=3)
     found = uvshear.measure(observation, catalogue, keep="moments,bayesian,metacal")
     assert set(found.shapes["flag"]) == {"ok"}
     return request.param, shear, found
@@ -96,10 +96,11 @@ def test_shapes_are_those_of_the_sheared_galaxies_in_both_frames(sheared):
     north = local_north(CENTRE, np.asarray(shapes["l"]), np.asarray(shapes["m"]))
     assert np.ptp(north) > np.radians(25)
     truth = add_shear(INTRINSIC, to_field_frame(shear, north))
-    assert np.abs(shapes["e1"] + 1j * shapes["e2"] - truth).max() < 0.06
-    local = shapes["g1"] + 1j * shapes["g2"]
-    pairs = local.reshape(-1, 2).mean(axis=1)
-    assert np.abs(pairs - shear.reshape(-1, 2).mean(axis=1)).max() < 0.03
+    assert np.abs(shapes["e1"] + 1j * shapes["e2"] - truth).max() < 0.03  # measured 0.019, noise
+    local = np.asarray(shapes["g1"] + 1j * shapes["g2"])
+    for bearing in np.unique(BEARING):
+        here = bearing == BEARING
+        assert abs(local[here].mean() - shear[here].mean()) < OF_DIRECTION
 
 
 @pytest.mark.parametrize("estimator", ["mean", "moments", "metacal"])
@@ -109,7 +110,7 @@ def test_an_estimator_finds_the_shear_in_every_direction(sheared, estimator):
         here = bearing == BEARING
         estimate = uvshear.estimate_shear(found, estimator, where=here)
         assert estimate.frame == "sky"
-        assert abs(estimate.shear - shear[here].mean()) < TOLERANCE
+        assert abs(estimate.shear - shear[here].mean()) < OF_DIRECTION
 
 
 @pytest.mark.parametrize("estimator", ["mean", "moments", "bayesian", "metacal"])
@@ -124,19 +125,19 @@ def test_an_estimator_finds_the_shear_of_the_whole_field(sheared, places, estima
         turned = sample.local_north + places.position_angle(MIDDLE).rad
         estimate = estimate_sample_shear(method, replace(sample, local_north=turned))
         expected = TANGENTIAL
-    assert abs(estimate.shear - expected) < TOLERANCE
+    assert abs(estimate.shear - expected) < OF_FIELD
 
 
 def test_treecorr_finds_the_tangential_shear(sheared, places):
     name, _, found = sheared
     shapes = found.shapes
-    lens = treecorr.Catalog(ra=[40.0], dec=[88.0], ra_units="deg", dec_units="deg")
+    lens = treecorr.Catalog(ra=[40.0], dec=[89.3], ra_units="deg", dec_units="deg")
     sources = treecorr.Catalog(
         ra=shapes["ra"], dec=shapes["dec"], ra_units="deg", dec_units="deg",
         g1=shapes["g1"], g2=shapes["g2"],
     )  # fmt: skip
     correlation = treecorr.NGCorrelation(
-        min_sep=15, max_sep=40, nbins=1, sep_units="arcmin", bin_slop=0
+        min_sep=8, max_sep=14, nbins=1, sep_units="arcmin", bin_slop=0
     )
     correlation.process(lens, sources)
     expected = TANGENTIAL if name == "tangential" else 0.0
