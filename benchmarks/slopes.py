@@ -1,44 +1,10 @@
 """Slopes of measured against true ellipticity, by every definition that the documentation quotes."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from uvshear.diagnostics.slope import equal_weights, fit_slope, population_weights
+from uvshear.diagnostics.slope import fit_slope, fit_slopes
 
 FLUX_BINS_UJY = ((10, 20), (20, 50), (50, 200))
-
-
-@dataclass(frozen=True)
-class PaperSlope:
-    """A slope by the definition of Rivi & Miller 2018, as its formal error suggests it.
-
-    Parameters
-    ----------
-    value
-        Regression through the origin with the weights w = 1/s^2.
-    error
-        Formal error, 1/sqrt(sum x^2/s^2).
-    effective
-        Number of galaxies that carry the slope, (sum w x^2)^2/sum (w x^2)^2.
-    """
-
-    value: float
-    error: float
-    effective: float
-
-
-def paper_slope(true: np.ndarray, measured: np.ndarray, error: np.ndarray) -> PaperSlope:
-    """Fit the slope of one component with weights 1/s^2; galaxies without a finite shape are left out."""
-    good = np.isfinite(true) & np.isfinite(measured) & np.isfinite(error) & (error > 0)
-    x, y, weight = true[good], measured[good], error[good] ** -2
-    carried = weight * x**2
-    norm = float(carried.sum())
-    return PaperSlope(
-        value=float(np.sum(weight * x * y)) / norm,
-        error=norm**-0.5,
-        effective=norm**2 / float(np.sum(carried**2)),
-    )
 
 
 def slope_figures(
@@ -58,16 +24,13 @@ def slope_figures(
     figures: dict[str, float] = {}
     for k, (x, y) in enumerate(((true.real, measured.real), (true.imag, measured.imag))):
         name, error = f"e{k + 1}", errors[:, k]
-        paper = paper_slope(x, y, error)
+        slopes = fit_slopes(x, y, error)
         figures |= {
-            f"slope_{name}": paper.value,
-            f"slope_{name}_err": paper.error,
-            f"effective_galaxies_{name}": round(paper.effective),
+            f"slope_{name}": slopes.inverse_variance.value,
+            f"slope_{name}_err": slopes.inverse_variance.formal_error,
+            f"effective_galaxies_{name}": round(slopes.inverse_variance.effective_number),
         }
-        for kind, fitted in (
-            ("population", fit_slope(x, y, error, population_weights)),
-            ("unweighted", fit_slope(x, y, error, equal_weights)),
-        ):
+        for kind, fitted in (("population", slopes.population), ("unweighted", slopes.unweighted)):
             figures |= {
                 f"slope_{kind}_{name}": fitted.value,
                 f"slope_{kind}_{name}_err": fitted.error,
@@ -76,9 +39,9 @@ def slope_figures(
             chosen = (flux_ujy >= low) & (flux_ujy < high)
             if chosen.sum() < 2:
                 continue
-            inside = paper_slope(x[chosen], y[chosen], error[chosen])
+            inside = fit_slope(x[chosen], y[chosen], error[chosen])
             figures |= {
                 f"slope_{low}_{high}_{name}": inside.value,
-                f"slope_{low}_{high}_{name}_err": inside.error,
+                f"slope_{low}_{high}_{name}_err": inside.formal_error,
             }
     return figures

@@ -6,7 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from astropy.table import Table
 from benchmarks import quotes
+
+from uvshear.estimators import UnlensedPopulation
+from uvshear.io.catalogue import catalogue_from_table
+from uvshear.io.population import read_population
+from uvshear.io.shapes import COLUMNS
 
 ROOT = Path(__file__).parents[1]
 PAGES = (*quotes.PAGES, ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md")
@@ -106,3 +112,44 @@ def test_modules_and_scripts_that_a_page_names_exist(page):
     named = re.findall(r"`(?:python )?((?:[\w-]+/)+[\w-]+\.py)\b", text)
     places = (ROOT, ROOT / "src" / "uvshear")
     assert [name for name in named if not any((place / name).exists() for place in places)] == []
+
+
+def test_the_page_of_files_lists_every_column_of_a_table_of_shapes():
+    text = (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+    rows = [
+        f"| `{name}` | {(column.unit or '').replace('uJy', 'μJy')} | {column.description} |"
+        for name, column in COLUMNS.items()
+    ]
+    assert "\n".join(rows) in text
+
+
+def test_the_page_of_files_shows_the_population_of_the_paper(tmp_path):
+    text = (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+    (shown,) = re.findall(r"```json\n(.*?)```", text, flags=re.S)
+    path = tmp_path / "population.json"
+    path.write_text(shown)
+    assert read_population(path) == UnlensedPopulation()
+
+
+def test_the_page_of_files_lists_every_column_of_a_catalogue():
+    """A catalogue that has all of its optional quantities is written with all of these columns."""
+    text = (ROOT / "docs" / "files.md").read_text(encoding="utf-8")
+    catalogues = text.partition("## Catalogues")[2].partition("## Shapes")[0]
+    listed = {
+        name
+        for row in re.findall(r"^\| (`.*?) \|", catalogues, flags=re.M)
+        for name in re.findall(r"`(\w+)`", row)
+    }
+    numbers, words = dict.fromkeys(listed, 0.1), {"id": "a", "profile": "galaxy"}
+    table = Table({name: [words.get(name, numbers[name])] for name in listed})
+    table["flux"].unit = "Jy"
+    for name in ("ra_err", "dec_err", "flux_err"):
+        assert name in listed
+    known = catalogue_from_table(table)
+    assert known.shear is not None
+    assert known.ellipticity is not None
+    assert known.position_err is not None
+    assert known.flux_err is not None
+    assert known.scale_length is not None
+    assert known.is_point is not None
+    assert known.reference_frequency == 0.1

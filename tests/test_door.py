@@ -56,11 +56,14 @@ TASKS = {
     """,
     "shear": """
         for estimator in ("mean", "moments", "bayesian", "metacal"):
-            print(uvshear.estimate_shear("SHAPES.fits", estimator, flux_min=10e-6))
+            shear = uvshear.estimate_shear("SHAPES.fits", estimator, flux_min=10e-6)
+            uvshear.write_shear(f"{estimator}.json", shear)
     """,
     "bias": """
-        bias = uvshear.estimate_bias("mean", galaxies=100, shear=0.05, survey=uvshear.Survey(plan))
-        print(bias)
+        survey = uvshear.Survey(plan)
+        bias = uvshear.estimate_bias("mean", galaxies=100, shear=0.05, survey=survey)
+        uvshear.write_bias("BIAS.json", bias)
+        shear = uvshear.estimate_shear("SHAPES.fits", correction=uvshear.read_bias("BIAS.json"))
     """,
     "psf": """
         grid = uvshear.ImageGrid(size=128, pixel=0.5 * np.pi / 180 / 3600)
@@ -120,6 +123,8 @@ def test_the_work_of_a_command_is_a_few_lines_of_python(
         "layouts": {"vla-a.png"},
         "catalogue": {"drawn.fits"},
         "simulate": {"simulated.ms"},
+        "shear": {f"{name}.json" for name in ("mean", "moments", "bayesian", "metacal")},
+        "bias": {"BIAS.json"},
         "measure": {"SHAPES.fits", "SHAPES.stats.fits", "SHAPES.sky.fits"},
     }
     assert made == expected.get(task, set())

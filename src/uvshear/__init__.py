@@ -18,11 +18,11 @@ Visibilities
     ``scaled_to_its_noise`` takes the noise from the scatter of the data. ``VisibilitySet`` holds ``Visibilities`` in
     memory about a ``PhaseCentre``.
 Catalogues
-    ``read_catalogue`` and ``write_catalogue`` keep a ``Catalogue`` in a file; ``catalogue_from_galaxies``
+    ``read_catalogue`` and ``write_catalogue`` read and write the file of a ``Catalogue``; ``catalogue_from_galaxies``
     makes one of simulated galaxies.
 Assumptions: ``Model``
     Profiles are ``Exponential``, ``Gaussian``, ``Sersic`` and ``DiscBulge``. Sizes come from ``SizeFluxRelation`` or
-    ``CatalogueSize``. Priors of the ellipticity are ``FlatEllipticityPrior`` and ``DiscEllipticityPrior``. Primary
+    ``CatalogueSize``. Priors on the ellipticity are ``FlatEllipticityPrior`` and ``DiscEllipticityPrior``. Primary
     beams are ``AiryBeam``, ``CosineCubedBeam`` and ``CosineTaperBeam``.
 Algorithm: ``Method``
     ``ConvergedExtraction`` or ``PaperExtraction``, a ``UvRange``, and weightings: ``Uniform``, ``Briggs``,
@@ -30,23 +30,25 @@ Algorithm: ``Method``
 Cores and memory: ``Resources``
     The executor is ``Serial``, ``Threads`` or ``Processes``.
 Shear
-    ``estimate_shear`` gives a ``ShearEstimate`` by ``Mean``, ``Moments``, ``Bayesian`` or ``Metacal``;
+    ``estimate_shear`` returns a ``ShearEstimate``, for which it uses ``Mean``, ``Moments``, ``Bayesian`` or
+    ``Metacal``; ``write_shear`` writes the estimate to a file.
     ``read_population`` reads an ``UnlensedPopulation`` that Bayesian estimates assume. ``fit_slopes`` compares
     measured with true ellipticities.
 Bias
-    ``estimate_bias`` simulates the ``Bias`` of an estimator for galaxies of a ``Survey``; ``read_correction`` reads
-    one that the command line has written, to correct a shear.
+    ``estimate_bias`` measures the ``Bias`` of an estimator on simulated galaxies of a ``Survey``; ``estimate_shear``
+    can remove it from a shear. ``write_bias`` and ``read_bias`` write and read its file.
 Simulate
-    ``simulate`` lets the array of an ``ObservingPlan`` (``known_layouts``, ``load_layout``, ``Track``, ``Channels``)
-    observe a catalogue, with ``GalaxyNoise``, ``StokesINoise``, ``CorrelationNoise`` or ``ScaledNoise``;
-    ``write_measurement_set`` writes the observation. ``draw_population`` draws ``Galaxies`` of a ``Population``
-    (``PowerLawFlux``) in a ``SquareField`` or a ``DiscField``, and ``expected_number`` gives their number.
-    ``shear_galaxies`` applies a lens, and ``shear_at_fixed_scale_length`` the shear of the paper's simulations.
+    ``simulate`` simulates an observation of the sources of a catalogue according to an ``ObservingPlan``
+    (``known_layouts``, ``load_layout``, ``Track``, ``Channels``), with noise from ``GalaxyNoise``, ``StokesINoise``,
+    ``CorrelationNoise`` or ``ScaledNoise``; ``write_measurement_set`` writes the observation. ``draw_population`` draws
+    ``Galaxies`` of a ``Population`` (``PowerLawFlux``) in a ``SquareField`` or a ``DiscField``, and ``expected_number``
+    gives their number. ``shear_galaxies`` applies a lens, and ``shear_at_fixed_scale_length`` the shear of the
+    simulations of Rivi & Miller 2018.
 Images and the PSF
     ``point_spread_function`` images the weights of an observation on an ``ImageGrid``; ``measure_psf`` and
     ``fit_main_lobe`` measure it. ``weighted`` applies weightings, and ``weighting_loss`` computes the loss of
-    information. ``write_residual_image`` writes the result of ``Measurement.residual_image``. ``plot`` has the
-    pictures.
+    information. ``write_residual_image`` writes the result of ``Measurement.residual_image``. The functions in
+    ``plot`` draw the figures.
 Objects of your own
     Derive them from ``Profile``, ``SizeModel``, ``EllipticityPrior``, ``PrimaryBeam``, ``Attenuation``, ``Noise``,
     ``Weighting``, ``Extraction``, ``Executor``, ``Reader`` or ``Estimator``. An estimator keeps a ``Column`` for
@@ -60,13 +62,14 @@ __version__ = "0.2.0.dev0"
 
 if TYPE_CHECKING:
     from uvshear import plot
-    from uvshear.bias import Bias, Survey, estimate_bias
+    from uvshear.bias import Survey, estimate_bias
     from uvshear.diagnostics.psf import point_spread_function
     from uvshear.diagnostics.slope import fit_slopes
     from uvshear.diagnostics.weighting_loss import weighting_loss
     from uvshear.errors import DataWarning, InputError
     from uvshear.estimators import (
         Bayesian,
+        Bias,
         Estimator,
         Mean,
         Metacal,
@@ -136,7 +139,7 @@ if TYPE_CHECKING:
         Weighting,
         weighted,
     )
-    from uvshear.io.bias_records import read_correction
+    from uvshear.io.bias_records import read_bias, write_bias
     from uvshear.io.catalogue import (
         Catalogue,
         catalogue_from_galaxies,
@@ -149,6 +152,7 @@ if TYPE_CHECKING:
     from uvshear.io.population import read_population
     from uvshear.io.readers import Reader
     from uvshear.io.reading import Reading
+    from uvshear.io.shear_records import write_shear
     from uvshear.pipeline.measure import measure
     from uvshear.pipeline.measurement import Measurement, read_measurement
     from uvshear.pipeline.shear import estimate_shear
@@ -161,13 +165,13 @@ if TYPE_CHECKING:
     from uvshear.simulation.sky_region import DiscField, SquareField
 
 _HOMES = {
-    "bias": "Bias Survey estimate_bias",
+    "bias": "Survey estimate_bias",
     "diagnostics.psf": "point_spread_function",
     "diagnostics.slope": "fit_slopes",
     "diagnostics.weighting_loss": "weighting_loss",
     "errors": "DataWarning InputError",
     "estimators": (
-        "Bayesian Estimator Mean Metacal Moments Sample ShearEstimate Terms UnlensedPopulation"
+        "Bayesian Bias Estimator Mean Metacal Moments Sample ShearEstimate Terms UnlensedPopulation"
     ),
     "execution": "Executor Processes Resources Serial Threads",
     "extraction": "ConvergedExtraction Extraction Method Model PaperExtraction",
@@ -189,7 +193,7 @@ _HOMES = {
     "interferometer.weighting": (
         "Briggs GaussianTaper RoundPsf TukeyTaper Uniform Weighting weighted"
     ),
-    "io.bias_records": "read_correction",
+    "io.bias_records": "read_bias write_bias",
     "io.catalogue": "Catalogue catalogue_from_galaxies read_catalogue write_catalogue",
     "io.images": "write_residual_image",
     "io.measurement_set_writer": "write_measurement_set",
@@ -197,6 +201,7 @@ _HOMES = {
     "io.population": "read_population",
     "io.readers": "Reader",
     "io.reading": "Reading",
+    "io.shear_records": "write_shear",
     "pipeline.measure": "measure",
     "pipeline.measurement": "Measurement read_measurement",
     "pipeline.shear": "estimate_shear",
@@ -299,8 +304,8 @@ __all__ = [
     "open_observation",
     "plot",
     "point_spread_function",
+    "read_bias",
     "read_catalogue",
-    "read_correction",
     "read_measurement",
     "read_population",
     "scaled_to_its_noise",
@@ -309,9 +314,11 @@ __all__ = [
     "simulate",
     "weighted",
     "weighting_loss",
+    "write_bias",
     "write_catalogue",
     "write_measurement_set",
     "write_residual_image",
+    "write_shear",
 ]
 
 

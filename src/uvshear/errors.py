@@ -6,4 +6,4 @@ class InputError(ValueError):
 
 
 class DataWarning(UserWarning):
-    """Fact about the data that a user should know, although it does not prevent their measurement."""
+    """Warning of something in the data that a user should know, but that does not prevent a measurement."""

@@ -74,8 +74,8 @@ class Registry:
             if point.name == name:
                 return point.value
         raise InputError(
-            f"'{name}' is not a known {self.kind}; {', '.join(self.names())} are known,"
-            f" and MODULE:NAME names an object of your own"
+            f"'{name}' is not a known {self.kind}; the known names are {', '.join(self.names())}, and MODULE:NAME"
+            " stands for an object of your own"
         )
 
     def _registered(self) -> list[EntryPoint]:

@@ -1,11 +1,9 @@
 """From sums of terms to m and c."""
 
-import json
-
 import numpy as np
 import pytest
 
-from uvshear.bias.fit import Bias, TermSums, fit_bias, shears_from_sums
+from uvshear.bias.fit import TermSums, fit_bias, shears_from_sums
 from uvshear.errors import InputError
 
 SHEARS = (0.02 + 0.01j, -0.02 - 0.01j)
@@ -100,16 +98,3 @@ def test_one_block_is_no_error():
 def test_galaxies_that_tell_nothing_are_told():
     with pytest.raises(InputError, match="no galaxy contributes to the shear"):
         shears_from_sums(np.zeros((2, 6)), (0j, 0j))
-
-
-def test_a_record_is_for_a_file_and_a_line_for_the_terminal():
-    values = [np.array(pair) for pair in ((0.01, -0.02), (0.1, 0.2), (1e-3, 0.0), (1e-4, 2e-4))]
-    bias = Bias("all", *values, np.array([3.0, 4.0]), 50, failed=2)
-    record = json.loads(json.dumps(bias.record()))
-    assert record["m2"] == -0.02
-    assert record["c2_err"] == 2e-4
-    assert (record["response2"], record["n"], record["failed"]) == (4.0, 50, 2)
-    assert str(bias) == (
-        "all: m1 = +0.01000 +- 0.10000, m2 = -0.02000 +- 0.20000, c1 = +0.00100 +- 0.00010,"
-        " c2 = +0.00000 +- 0.00020 (50 galaxies, 2 measurements failed)"
-    )

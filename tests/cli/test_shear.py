@@ -97,7 +97,11 @@ def test_the_same_seed_gives_the_same_error(
         ("absent.fits", "", "absent.fits: no such file"),
         ("junk.fits", "", "cannot be read as a table"),
         ("other.csv", "", "has no column 'e1'; a table written by `uvshear measure` is needed"),
-        ("placeless.fits", "", "lacks its phase centre (ra0_deg and dec0_deg in its"),
+        (
+            "placeless.fits",
+            "",
+            "placeless.fits: lacks its phase centre (ra0_deg and dec0_deg in its",
+        ),
         (
             "shapes.fits",
             "--estimator spin",
@@ -329,7 +333,7 @@ def test_the_papers_facets_have_a_calibration_of_their_own(
     outcome = uvshear("shear", shapes, "--calibration", _calibration(tmp_path / "exact.json"))
     assert outcome.status == 2
     assert (
-        "simulated with --facet exact, but the shear is estimated with --facet cell-av"
+        "simulated with facet = exact, but the shapes were measured with facet = cell-av"
         in outcome.err
     )
 
@@ -342,7 +346,7 @@ def test_a_cut_that_is_only_nearly_the_biass_is_told(
         outcome = uvshear("shear", shapes, "--snr-min", "20", "--calibration", bias)
         assert outcome.status == 0
         assert len(outcome.err.splitlines()) == lines
-        assert ("were selected by catalogue flux" in outcome.err) == bool(lines)
+        assert ("were selected by the signal-to-noise ratio of their catalogue flux" in outcome.err) == bool(lines)
 
 
 def test_a_bias_of_another_population_is_refused(
@@ -414,19 +418,19 @@ def test_a_column_that_is_needed_is_named(
     [
         (
             {"estimator": "moments"},
-            "was simulated with --estimator moments, but the shear is estimated with --estimator mean",
+            "was simulated with estimator = moments, but the shear is estimated with estimator = mean",
         ),
-        ({"snr_min": 10.0}, "with --snr-min 10, but the shear is estimated with --snr-min 0"),
-        ({"flux_min_ujy": 25.0}, "with --flux-min-ujy 25, but the shear is estimated with"),
-        ({"prior": "fitted"}, "with --prior fitted, but the shear is estimated with --prior paper"),
-        ({"facet": "cell-average"}, "with --facet cell-average, but the shear is estimated with"),
-        ({"position_error_arcsec": 0.5}, "was simulated with position_error_arcsec = 0.5"),
-        ({"legacy_shear": True}, "was simulated with legacy_shear = True"),
+        ({"snr_min": 10.0}, "with snr_min = 10, but the shear is estimated with snr_min = 0"),
+        ({"flux_min_ujy": 25.0}, "with flux_min_ujy = 25, but the shear is estimated with"),
+        ({"prior": "fitted"}, "with prior = fitted, but the shear is estimated with prior = paper"),
+        ({"facet": "cell-average"}, "with facet = cell-average, but the shapes were measured with"),
+        ({"position_error_arcsec": 0.5}, "was simulated with `--position-error-arcsec`"),
+        ({"legacy_shear": True}, "was simulated with `--legacy-shear`"),
         ({"wraps": "moments"}, "was simulated with wraps = moments"),
         ({"frame": "lm"}, "is in the frame 'lm'; the frame 'sky' is needed"),
-        ({"flux_max_ujy": 50.0}, "is the bias of galaxies below 50.0 uJy"),
+        ({"flux_max_ujy": 50.0}, "was simulated with an upper limit of the flux, 50 uJy"),
         ({"m2": -1.5}, "m is -1 or less"),
-        ({"m1": None}, "has no number 'm1'"),
+        ({"m1": None}, "lacks m, c or their errors"),
         ("[1, 2]", "is not a file written by `uvshear bias`"),
         ("{", "cannot be read as JSON"),
         (None, "no such file"),

@@ -1,12 +1,20 @@
-"""Files of `uvshear bias`, read to correct a shear."""
+"""Files of simulated biases."""
 
 import json
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from uvshear.errors import InputError
-from uvshear.io.bias_records import read_correction
+from uvshear.estimators.bayesian import Bayesian
+from uvshear.estimators.bias import Bias, BiasSimulation
+from uvshear.estimators.population import UnlensedPopulation
+from uvshear.estimators.shear_estimate import ShearConditions
+from uvshear.galaxy import SizeFluxRelation
+from uvshear.io.bias_records import read_bias, write_bias
+from uvshear.io.provenance import Provenance
 
 NUMBERS = {
     "m1": -0.1,
@@ -36,56 +44,58 @@ def _written(tmp_path: Path, **changes: object) -> Path:
     return path
 
 
-def test_numbers_and_options_are_read(tmp_path: Path) -> None:
-    found = read_correction(_written(tmp_path))
-    first, second = found.total
-    assert (first.m, first.m_err, first.c, first.c_err) == (-0.1, 0.01, 1e-3, 1e-4)
-    assert (second.m, second.m_err, second.c, second.c_err) == (0.05, 0.02, 2e-3, 2e-4)
-    assert list(found.bins) == ["10-20 uJy"]
-    assert found.bins["10-20 uJy"][0].m == -0.2
-    assert (found.estimator, found.snr_min, found.prior) == ("moments", 10.0, "paper")
-    assert found.flux_min == pytest.approx(15e-6)
-    assert not found.averages_cells
-    assert found.cuts_on_measured
+def test_numbers_and_conditions_are_read(tmp_path: Path) -> None:
+    found = read_bias(_written(tmp_path))
+    assert [*found.m, *found.m_err] == [-0.1, 0.05, 0.01, 0.02]
+    assert [*found.c, *found.c_err] == [1e-3, 2e-3, 1e-4, 2e-4]
+    assert [part.name for part in found.bins] == ["10-20 uJy"]
+    assert found.bins[0].m[0] == -0.2
+    assert found.simulation is not None
+    conditions = found.simulation.conditions
+    assert (conditions.estimator, conditions.snr_min, conditions.prior) == (
+        "moments",
+        10.0,
+        "paper",
+    )
+    assert conditions.flux_min == pytest.approx(15e-6)
+    assert not conditions.averages_cells
+    assert found.simulation.cuts_on_measured
 
 
 def test_a_path_may_be_text(tmp_path: Path) -> None:
-    assert read_correction(str(_written(tmp_path))).estimator == "moments"
+    assert read_bias(str(_written(tmp_path))).simulation is not None
 
 
 def test_files_of_the_first_release_are_in_the_frame_of_l_and_m(tmp_path: Path) -> None:
     """m of both components stays, and so does c1; c2 changes its sign."""
-    found = read_correction(_written(tmp_path, frame="left out"))
-    assert [part.c for part in found.total] == [1e-3, -2e-3]
-    assert [part.m for part in found.total] == [-0.1, 0.05]
-    assert found.bins["10-20 uJy"][1].c == -2e-3
+    found = read_bias(_written(tmp_path, frame="left out"))
+    assert found.c.tolist() == [1e-3, -2e-3]
+    assert found.m.tolist() == [-0.1, 0.05]
+    assert found.bins[0].c[1] == -2e-3
+    assert found.frame == "sky"
 
 
-def test_the_facets_and_the_cut_are_told(tmp_path: Path) -> None:
-    found = read_correction(_written(tmp_path, facet="cell-average", selection="catalogue"))
-    assert found.averages_cells
+def test_the_facets_and_the_cut_are_read(tmp_path: Path) -> None:
+    found = read_bias(_written(tmp_path, facet="cell-average", selection="catalogue")).simulation
+    assert found is not None
+    assert found.conditions.averages_cells
     assert not found.cuts_on_measured
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"frame": "galactic"}, "is in the frame 'galactic'; the frame 'sky' is needed"),
-        ({"flux_max_ujy": 50.0}, "is the bias of galaxies below 50.0 uJy"),
-        ({"wraps": "moments"}, "was simulated with wraps = moments"),
-        ({"legacy_shear": True}, "was simulated with legacy_shear = True"),
-        ({"position_error_arcsec": 0.3}, "was simulated with position_error_arcsec = 0.3"),
-        ({"m1": "left out"}, "has no number 'm1'; `uvshear bias` with a shear writes one"),
+        ({"c1": "left out"}, "has no number 'c1'; `uvshear bias` writes one"),
         ({"c2_err": None}, "has no number 'c2_err'"),
         ({"snr_min": "ten"}, "has no number 'snr_min'"),
-        ({"m2": -1.5}, "m is -1 or less"),
+        ({"population": {"colour": {}}}, "unknown entry 'colour'; a population has the entries flux, size, ellipticity"),
     ],
 )
-def test_a_bias_that_is_not_of_measured_shapes_is_refused(
+def test_a_damaged_file_is_refused(
     tmp_path: Path, changes: dict[str, object], message: str
 ) -> None:
     with pytest.raises(InputError) as error:
-        read_correction(_written(tmp_path, **changes))
+        read_bias(_written(tmp_path, **changes))
     assert "bias.json: " in str(error.value)
     assert message in str(error.value)
     assert "\n" not in str(error.value)
@@ -94,6 +104,70 @@ def test_a_bias_that_is_not_of_measured_shapes_is_refused(
 def test_another_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "list.json").write_text("[]")
     with pytest.raises(InputError, match="is not a file written by `uvshear bias`"):
-        read_correction(tmp_path / "list.json")
+        read_bias(tmp_path / "list.json")
     with pytest.raises(InputError, match="no such file"):
-        read_correction(tmp_path / "nothing.json")
+        read_bias(tmp_path / "nothing.json")
+
+
+def _assert_same(got: Bias, expected: Bias) -> None:
+    for name in ("m", "m_err", "c", "c_err", "response"):
+        np.testing.assert_array_equal(getattr(got, name), getattr(expected, name))
+    for name in ("name", "n", "failed", "frame"):
+        assert getattr(got, name) == getattr(expected, name)
+    assert len(got.bins) == len(expected.bins)
+    for part, other in zip(got.bins, expected.bins, strict=True):
+        _assert_same(part, other)
+
+
+def test_what_is_written_is_read(tmp_path: Path) -> None:
+    rng = np.random.default_rng(4)
+    inside = Bias("20-50 uJy", *rng.normal(size=(5, 2)), 30, failed=1)
+    population = UnlensedPopulation(size=SizeFluxRelation(sigma=0.4))
+    simulation = BiasSimulation(
+        ShearConditions(
+            "bayesian", Bayesian(population).record(), 12.0, flux_min=17e-6, averages_cells=True
+        ),
+        cuts_on_measured=True,
+        flux_max=70e-6,
+        keeps_scale_lengths=True,
+        position_sigma=1e-6,
+        shears=(0.02 + 0.01j, -0.02 - 0.01j),
+        density=2.8,
+        seed=5,
+    )
+    bias = Bias("all", *rng.normal(size=(5, 2)), 90, 2, (inside,), simulation=simulation)
+    path = tmp_path / "bias.json"
+    write_bias(path, bias)
+    got = read_bias(path)
+    _assert_same(got, bias)
+    assert got.simulation is not None
+    assert got.simulation.flux_max == pytest.approx(70e-6)
+    assert got.simulation.position_sigma == pytest.approx(1e-6)
+    assert got.simulation.conditions.flux_min == pytest.approx(17e-6)
+    for name in ("cuts_on_measured", "keeps_scale_lengths", "shears", "density", "seed"):
+        assert getattr(got.simulation, name) == getattr(simulation, name)
+    assert got.simulation.conditions.assumed == simulation.conditions.assumed
+    record = json.loads(path.read_text())
+    assert record["cuts"] == {
+        "snr_min": 12.0,
+        "selection": "measured",
+        "flux_min_ujy": 17.0,
+        "flux_max_ujy": 70.0,
+    }
+    assert {"version", "command", "inputs", "seed", "frame", "date"} <= set(record)
+    with pytest.raises(InputError, match="exists already"):
+        write_bias(path, bias)
+
+
+def test_m_that_was_not_simulated_is_not_read(tmp_path: Path) -> None:
+    nothing, some = np.full(2, math.nan), np.array([1e-3, 2e-3])
+    bias = Bias("all", nothing, nothing, some, some, nothing, 5)
+    write_bias(
+        tmp_path / "bias.json",
+        bias,
+        Provenance("uvshear bias", options={"snr_min": 5.0, "prior": "population.json"}),
+    )
+    got = read_bias(tmp_path / "bias.json")
+    assert np.isnan(got.m).all()
+    assert got.simulation is not None
+    assert got.simulation.conditions.snr_min == 5.0

@@ -7,6 +7,8 @@ import pytest
 
 from uvshear.errors import InputError
 from uvshear.estimators import Mean, Moments
+from uvshear.estimators.shear_estimate import ShearConditions
+from uvshear.io.bias_records import read_bias
 from uvshear.pipeline.shear import as_measurement, estimate_shear
 
 
@@ -53,5 +55,13 @@ def test_a_bias_is_removed_from_memory_or_from_its_file(kept, tmp_path):
     raw, corrected = estimate_shear(kept), estimate_shear(kept, correction=path)
     assert corrected.g1 == pytest.approx((raw.g1 - 1e-3) / 1.1)
     assert corrected.g2 == pytest.approx((raw.g2 - 2e-3) / 0.8)
-    with pytest.raises(InputError, match="the bias is that of the estimator 'mean'"):
+    with pytest.raises(InputError, match="estimator = mean, but the shear is estimated with"):
         estimate_shear(kept, "moments", correction=str(path))
+    assert (raw.correction, corrected.correction) == (None, str(path))
+    assert estimate_shear(kept, correction=read_bias(path)).g1 == corrected.g1
+
+
+def test_the_conditions_of_a_shear_are_known(kept):
+    found = estimate_shear(kept, flux_min=0.9e-3)
+    assert found.conditions == ShearConditions("mean", flux_min=0.9e-3)
+    assert found.seed == 1

@@ -1,4 +1,4 @@
-"""Galaxies alone in the beam on the paper's cell-average facets, to reproduce the bias of Rivi & Miller 2018.
+"""Isolated galaxies on the paper's cell-average facets, to reproduce the bias of Rivi & Miller 2018.
 
 The visibilities of a galaxy are predicted one by one and averaged in cells; the noise is drawn for the sums in cells.
 """

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from uvshear.bias.fit import Bias, TermSums, fit_bias, shears_from_sums
+from uvshear.bias.fit import TermSums, fit_bias, shears_from_sums
 from uvshear.errors import InputError
-from uvshear.estimators import Estimator, Sample
+from uvshear.estimators import Bias, Estimator, Sample
 from uvshear.estimators.estimate import sky_terms, within_reach
 from uvshear.estimators.flux_bins import FLUX_BINS
 from uvshear.estimators.terms import shear_in_field_frame
@@ -48,7 +48,7 @@ class FieldExperiment:
     used
         Mask of the galaxies that enter the bias; the others are only observed and subtracted.
     lens
-        Map of galaxies by a shear.
+        Function that applies a shear to galaxies.
     profile
         Brightness profile of the galaxies.
     executor
@@ -64,7 +64,7 @@ class FieldExperiment:
     executor: Executor = SERIAL
 
     def lensed(self, shear: complex, ellipticity_sign: int) -> Galaxies:
-        """Return the galaxies behind a shear, with their ellipticities multiplied by the sign."""
+        """Return the galaxies with a shear, and with their intrinsic ellipticities multiplied by the sign."""
         galaxies = replace(self.galaxies, ellipticity=ellipticity_sign * self.galaxies.ellipticity)
         north = local_north(self.noise.phase_centre, galaxies.l, galaxies.m)
         return self.lens(galaxies, shear_in_field_frame(shear, north))
@@ -91,7 +91,8 @@ def estimate_crowded_bias(
     for estimator in estimators:
         if estimator.is_learning:
             raise InputError(
-                f"the estimator '{estimator.name}' learns from a sample: its bias is that of galaxies alone in the beam"
+                f"the estimator '{estimator.name}' fits its population to a sample, which is possible only for isolated"
+                " galaxies; leave out the density, or give it a population"
             )
     shears = experiment.shears
     measured: list[list[Measurement]] = []

@@ -4,14 +4,16 @@ import cmath
 import math
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 
 from uvshear.bias.crowded import estimate_crowded_bias
-from uvshear.bias.fit import Bias
 from uvshear.bias.isolated import estimate_isolated_bias
 from uvshear.bias.survey import Survey
 from uvshear.errors import DataWarning
-from uvshear.estimators import estimator_of
+from uvshear.estimators import Bias, Estimator, estimator_of
+from uvshear.estimators.bias import BiasSimulation
 from uvshear.estimators.registry import EstimatorLike
+from uvshear.estimators.shear_estimate import ShearConditions
 from uvshear.execution import Resources
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.visibilities import VisibilitySet
@@ -19,6 +21,7 @@ from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.pipeline.measure import measure
 from uvshear.pipeline.measurement import Measurement
 from uvshear.progress import Progress
+from uvshear.simulation.lensing import shear_at_fixed_scale_length
 
 
 def estimate_bias(
@@ -39,10 +42,11 @@ def estimate_bias(
     estimator
         Estimator of the shear, or its name.
     galaxies
-        Number of galaxies. Each is measured four times behind each shear; eight times if the shear is zero.
+        Number of galaxies. Each isolated galaxy is measured four times with each shear (twice without rings), or eight
+        times in all if the shear is zero.
     shear
-        Modulus of two opposite shears along g1 = g2, or shears that add up to zero. With 0 only the additive bias is
-        estimated.
+        Modulus of two opposite shears with g1 = g2, or a sequence of shears g1 + i g2 that add up to zero. With 0 only
+        the additive bias is estimated.
     seed
         Seed of galaxies and noise.
     survey
@@ -50,7 +54,7 @@ def estimate_bias(
         given.
     density
         Number of galaxies per square arcminute in a crowded field, in which all of them are measured together; None
-        measures each galaxy alone in the beam.
+        measures isolated galaxies.
     resources
         Workers and memory of the machine that may be used.
     progress
@@ -60,9 +64,11 @@ def estimate_bias(
     method = estimator_of(estimator)
     known = survey or Survey.of_the_paper()
     shears = opposite_shears(shear) if isinstance(shear, int | float) else tuple(shear)
+    simulation = _simulation(method, known, shears, density, seed)
     if density is None:
         experiment = known.isolated(shears, seed, resources.executor)
-        return estimate_isolated_bias(experiment, method, galaxies, resources.executor, progress)
+        bias = estimate_isolated_bias(experiment, method, galaxies, resources.executor, progress)
+        return replace(bias, simulation=simulation)
 
     def measured(observation: VisibilitySet, lensed: Galaxies) -> Measurement:
         catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)
@@ -73,7 +79,33 @@ def estimate_bias(
 
     crowd = known.crowd(shears, galaxies, density, seed, resources.executor)
     (bias,) = estimate_crowded_bias(crowd, [method], measured, progress)
-    return bias
+    return replace(bias, simulation=simulation)
+
+
+def _simulation(
+    estimator: Estimator,
+    survey: Survey,
+    shears: tuple[complex, ...],
+    density: float | None,
+    seed: int,
+) -> BiasSimulation:
+    is_measured = survey.measured_snr_min > 0
+    return BiasSimulation(
+        ShearConditions(
+            estimator.name,
+            estimator.record(),
+            survey.measured_snr_min if is_measured else survey.snr_min,
+            survey.flux_min,
+            survey.averages_cells,
+        ),
+        cuts_on_measured=is_measured,
+        flux_max=survey.flux_max,
+        keeps_scale_lengths=survey.lens is shear_at_fixed_scale_length,
+        position_sigma=survey.position_sigma,
+        shears=shears,
+        density=density,
+        seed=seed,
+    )
 
 
 def opposite_shears(modulus: float, orientations: int = 2) -> tuple[complex, ...]:

@@ -6,74 +6,17 @@ of the noise and its negative, so that both cancel in the sum, which gives c.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from uvshear.errors import InputError
-from uvshear.estimators.shear_estimate import SKY
+from uvshear.estimators.bias import Bias
 from uvshear.estimators.uncertainty import jackknife_error
 from uvshear.typing import Array, Bool, Float
 
 LEAST_BLOCKS = 2
 """Smallest number of blocks of galaxies that give a standard error."""
-
-
-@dataclass(frozen=True)
-class Bias:
-    """Bias of an estimator: g measured = (1 + m) g + c, component by component, with jackknife errors.
-
-    Parameters
-    ----------
-    name
-        Name of the galaxies: "all", or their bin of flux.
-    m, m_err, c, c_err
-        Multiplicative and additive bias of both components; m is NaN where no shear was applied.
-    response
-        Response of the estimator's terms to both components, summed over the measurements of a galaxy and averaged over
-        galaxies: the weight of these galaxies in a mean over galaxies of different fluxes.
-    n
-        Number of galaxies, each measured several times.
-    failed
-        Number of measurements that failed and are left out.
-    bins
-        Bias of the galaxies of each bin of flux.
-    frame
-        Frame of the components; "sky" is that of local North.
-    """
-
-    name: str
-    m: Float[Array, " 2"]
-    m_err: Float[Array, " 2"]
-    c: Float[Array, " 2"]
-    c_err: Float[Array, " 2"]
-    response: Float[Array, " 2"]
-    n: int
-    failed: int = 0
-    bins: tuple["Bias", ...] = field(default=(), repr=False)
-    frame: str = SKY
-
-    def record(self) -> dict[str, float | int]:
-        """Return the finite numbers by name, for a file."""
-        numbers = {
-            f"{name}{i + 1}{suffix}": float(value[i])
-            for name, best, error in (("m", self.m, self.m_err), ("c", self.c, self.c_err))
-            for i in (0, 1)
-            for suffix, value in (("", best), ("_err", error))
-        }
-        found = {name: value for name, value in numbers.items() if np.isfinite(value)}
-        responses = {f"response{i + 1}": float(self.response[i]) for i in (0, 1)}
-        return found | responses | {"n": self.n, "failed": self.failed}
-
-    def __str__(self) -> str:
-        parts = [
-            f"{name}{i + 1} = {value[i]:+.5f} +- {error[i]:.5f}"
-            for name, value, error in (("m", self.m, self.m_err), ("c", self.c, self.c_err))
-            for i in (0, 1)
-            if np.isfinite(value[i])
-        ]
-        failures = f", {self.failed} measurements failed" if self.failed else ""
-        return f"{self.name}: {', '.join(parts)} ({self.n} galaxies{failures})"
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Bias of an estimator for galaxies that are alone in the beam, each behind known shears."""
+"""Bias of an estimator for isolated galaxies with known shears."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -8,11 +8,11 @@ from typing import TypeAlias
 import numpy as np
 
 from uvshear.bias.cell_average import CellAverageBeam
-from uvshear.bias.fit import Bias, TermSums, fit_bias, shears_from_sums
+from uvshear.bias.fit import TermSums, fit_bias, shears_from_sums
 from uvshear.bias.mock_facets import FacetNoise, MockBeam
 from uvshear.bias.realisations import OPPOSITE, TURNED, Realisation
 from uvshear.errors import InputError
-from uvshear.estimators import Estimator, Sample
+from uvshear.estimators import Bias, Estimator, Sample
 from uvshear.estimators.estimate import sky_terms, within_reach
 from uvshear.estimators.estimator import observe
 from uvshear.estimators.flux_bins import FLUX_BINS
@@ -43,7 +43,7 @@ PILOT, FEWEST, PILOT_ROUNDS = 500, 100, 2
 smallest number that must pass a cut by flux, and the number of iterations."""
 
 TRAINING = 1500
-"""Number of galaxies from which an estimator learns its population."""
+"""Number of galaxies to which an estimator fits its population."""
 
 FITTED = Exponential()
 """Profile of the fits and of the cut by signal-to-noise ratio, whatever the true profile."""
@@ -51,7 +51,7 @@ FITTED = Exponential()
 
 @dataclass(frozen=True)
 class Experiment:
-    """A population of galaxies alone in the beam, their shears, and the cuts that select them.
+    """A population of isolated galaxies, their shears, and the cuts that select them.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ class Experiment:
 
     @property
     def realisations(self) -> tuple[Realisation, ...]:
-        """Realisations of each galaxy behind each shear."""
+        """Realisations of each galaxy with each shear."""
         if not any(self.shears):
             return TURNED
         return OPPOSITE if self.has_rings else OPPOSITE[:2]
@@ -189,7 +189,9 @@ def _trained(experiment: Experiment, estimator: Estimator, galaxies: int) -> Est
     found = (observe(estimator.learner, mock.source) for mock in mocks)
     rows = [row for row in found if row is not None]
     if not rows:
-        raise InputError("no galaxy passes the cuts; the estimator needs some to learn from")
+        raise InputError(
+            "no galaxy passes the cuts, so that no population can be fitted; relax the cuts"
+        )
     return estimator.trained(Sample.from_rows(rows), 0j)
 
 

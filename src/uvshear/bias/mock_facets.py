@@ -1,4 +1,4 @@
-"""Facets of galaxies that are alone in the beam, drawn without visibilities.
+"""Facets of isolated galaxies, drawn without visibilities.
 
 The correlation of a facet is the power of the beam times the model, plus noise whose variance in each component is that
 power. The sum over visibilities would have the same distribution.

@@ -46,20 +46,20 @@ class Survey:
     profile
         True brightness profile.
     lens
-        Map of galaxies by a shear.
+        Function that applies a shear to galaxies.
     snr_min
         Signal-to-noise ratio below which galaxies are left out, computed from the catalogue's flux and the median size,
         so that shear does not move galaxies across the cut.
     measured_snr_min
-        Signal-to-noise ratio of the fit below which a measurement is left out. Only for galaxies alone in the beam.
+        Signal-to-noise ratio of the fit below which a measurement is left out. Only for isolated galaxies.
     flux_min, flux_max
         Catalogue fluxes below and above which galaxies are left out [Jy].
     position_sigma
-        Standard error of the catalogue's positions in l and in m [rad]. Only for galaxies alone in the beam.
+        Standard error of the catalogue's positions in l and in m [rad]. Only for isolated galaxies.
     has_rings
         Whether galaxies are simulated with e and -e; in a crowded field they always are.
     averages_cells
-        Whether facets are the paper's, which average in cells. Only for galaxies alone in the beam.
+        Whether facets are the paper's, which average in cells. Only for isolated galaxies.
     """
 
     plan: ObservingPlan
@@ -86,7 +86,7 @@ class Survey:
     def isolated(
         self, shears: tuple[complex, ...], seed: int = 1, executor: Executor = SERIAL
     ) -> Experiment:
-        """Return the experiment with galaxies alone in the beam, on exact facets or on the paper's."""
+        """Return the experiment with isolated galaxies, on exact facets or on the paper's."""
         empty = self._observed(self._nobody(), None, executor)
         beam = (
             CellAverageBeam.gather(empty)
@@ -116,7 +116,7 @@ class Survey:
         seed: int = 1,
         executor: Executor = SERIAL,
     ) -> FieldExperiment:
-        """Return the experiment with galaxies together in the beam.
+        """Return the experiment with galaxies that share a crowded field.
 
         Parameters
         ----------
@@ -130,8 +130,8 @@ class Survey:
         )
         if usual != self:
             raise InputError(
-                "a cut on the measured signal-to-noise ratio, position errors, no rings, and the paper's facets"
-                " are options for galaxies alone in the beam; leave out these options or the density"
+                "measured_snr_min, position_sigma, has_rings=False and averages_cells apply only to isolated galaxies;"
+                " leave them out, or leave out the density"
             )
         side = math.sqrt(number / density) * ARCMIN
         galaxies = draw_population(

@@ -18,7 +18,7 @@ from uvshear.io.outputs import remove_unfinished
 
 WRONG_INPUT: Final = 2
 INTERRUPTED: Final = 130
-INTERRUPTION: Final = "uvshear: interrupted; unfinished outputs are removed"
+INTERRUPTION: Final = "uvshear: interrupted; unfinished outputs have been removed"
 
 GRACE: Final = 1.0
 """Time that a command has to clean up after itself once it is interrupted [s]."""
@@ -125,7 +125,8 @@ def _explain(error: Exception) -> str | None:
         message = str(error)
     elif isinstance(error, MemoryError):
         message = (
-            f"not enough memory ({error}); fewer rows, channels or sources at a time are needed"
+            f"not enough memory ({error}); lower --memory-gb or --threads, or average the data or select fewer scans"
+            " first"
         )
     elif isinstance(error, OSError):
         message = str(error) if error.filename is None else f"{error.filename}: {error.strerror}"

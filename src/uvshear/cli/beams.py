@@ -23,8 +23,9 @@ PrimaryBeamOption = Annotated[
         "--primary-beam",
         metavar="NAME",
         rich_help_panel=MODEL,
-        help="Primary beam of the dishes: none, airy (uniformly illuminated dishes of the given diameters),"
-        " cosine-cubed (a power beam cos^3 of the same width), meerkat, or MODULE:NAME of your own.",
+        help="Primary beam of the dishes: none, airy (uniformly illuminated dishes with the diameters of the"
+        " ANTENNA table or the layout), cosine-cubed (a cos^3 power beam with the same FWHM), meerkat, or"
+        " MODULE:NAME of your own.",
     ),
 ]
 

@@ -4,7 +4,7 @@
 import math
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -66,8 +66,8 @@ def bias(
         typer.Option(
             min=100,
             rich_help_panel=SKY,
-            help="Number of galaxies. Each galaxy is measured four times with each shear, or eight times without a"
-            " shear.",
+            help="Number of galaxies. Each isolated galaxy is measured four times with each shear (twice with"
+            " --no-rings), or eight times in all with --shear 0.",
         ),
     ],
     output: Annotated[
@@ -79,8 +79,8 @@ def bias(
         typer.Option(
             callback=positive,
             rich_help_panel=SKY,
-            help="Density of a crowded field, in galaxies per square arcminute, from which the galaxies are extracted"
-            " together; by default each galaxy is alone in the beam.",
+            help="Simulate a crowded field with this number of galaxies per square arcminute, and extract them"
+            " together; by default each galaxy is isolated.",
         ),
     ] = None,
     snr_min: Annotated[
@@ -95,8 +95,8 @@ def bias(
         SelectionName,
         typer.Option(
             rich_help_panel=SKY,
-            help="Signal-to-noise ratio to which --snr-min applies: that of the catalogue's flux, or that of the fit,"
-            " which shear and noise change.",
+            help="Signal-to-noise ratio to which --snr-min applies: catalogue (that of the catalogue's flux, which"
+            " shear and noise do not change), or measured (that of the fit, which they change).",
         ),
     ] = SelectionName.CATALOGUE,
     flux_min_ujy: Annotated[
@@ -128,8 +128,8 @@ def bias(
         typer.Option(
             min=2,
             rich_help_panel=SKY,
-            help="Number of equally spaced directions of the shear, the first with its long axis at 22.5 deg from"
-            " East.",
+            help="Number of equally spaced orientations of the shear. The first has g1 = g2 > 0: its long axis is"
+            " 22.5 deg South of East.",
         ),
     ] = 2,
     rings: Annotated[
@@ -137,8 +137,8 @@ def bias(
         typer.Option(
             "--rings/--no-rings",
             rich_help_panel=SKY,
-            help="Simulate each galaxy with e and with -e, which is needed for c; without these pairs m has nearly the"
-            " same error at half the cost.",
+            help="Simulate each galaxy with ellipticity e and with -e. A precise c needs these pairs; without them"
+            " the error of m is nearly the same at half the cost.",
         ),
     ] = True,
     legacy_shear: Annotated[
@@ -146,8 +146,8 @@ def bias(
         typer.Option(
             "--legacy-shear",
             rich_help_panel=SKY,
-            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a real lens"
-            " changes both.",
+            help="Shear the ellipticities but keep the scale lengths, as Rivi & Miller (2018) do in their"
+            " simulations; a real lens changes both.",
         ),
     ] = False,
     profile: Annotated[
@@ -155,7 +155,8 @@ def bias(
         typer.Option(
             metavar="NAME",
             rich_help_panel=SKY,
-            help=f"True brightness profile: {PROFILES}. Exponential discs are fitted.",
+            help=f"True brightness profile of the simulated galaxies: {PROFILES}. The fitted model is always an"
+            " exponential disc.",
         ),
     ] = "exponential",
     prior: Annotated[
@@ -163,8 +164,8 @@ def bias(
         typer.Option(
             metavar=PRIOR_METAVAR,
             rich_help_panel=METHOD,
-            help="Population of galaxies that bayesian assumes: that of the paper, from which the galaxies are drawn,"
-            " one fitted to a sample, or one read from a JSON file.",
+            help="Population of galaxies that bayesian assumes: paper (that of Rivi & Miller 2018, from which the"
+            " simulated galaxies are drawn), fitted (fitted to other simulated galaxies), or a JSON file.",
         ),
     ] = PAPER,
     wraps: Annotated[
@@ -180,7 +181,8 @@ def bias(
         FacetName,
         typer.Option(
             rich_help_panel=METHOD,
-            help="Method of making facets: exact, or averages in uv cells as in the paper (mean only).",
+            help="Method of making facets: exact, or cell-average (averages in uv cells as in Rivi & Miller 2018;"
+            " only with --estimator mean).",
         ),
     ] = FacetName.EXACT,
     position_error_arcsec: Annotated[
@@ -242,7 +244,8 @@ def bias(
 ) -> None:
     """Measure the bias m and c of an estimator on simulated galaxies.
 
-    Each galaxy is alone in the beam; with --density all galaxies share a crowded field.
+    By default each galaxy is simulated in isolation; with --density all galaxies share a crowded field, and are
+    extracted together.
     """
     is_measured, is_averaged = selection is SelectionName.MEASURED, facet is FacetName.CELL_AVERAGE
     _refuse(estimator, shear, is_measured=is_measured, is_averaged=is_averaged)
@@ -266,7 +269,8 @@ def bias(
     from uvshear.interferometer.layout import load_layout
     from uvshear.interferometer.plan import ObservingPlan
     from uvshear.interferometer.spectral_window import Channels
-    from uvshear.io.outputs import check_file, write_json
+    from uvshear.io.bias_records import write_bias
+    from uvshear.io.outputs import check_file
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
     from uvshear.simulation.noise_level import GalaxyNoise
 
@@ -305,21 +309,7 @@ def bias(
             progress=progress,
         )
     say("\n".join(map(str, (found, *found.bins))))
-    made = provenance(context)
-    settings = {name: value for name, value in made.options.items() if name != "prior"}
-    record: dict[str, Any] = found.record() | settings | method.record() | made.record()
-    record |= {
-        "estimator": method.name,
-        "frame": found.frame,
-        "cuts": {
-            "snr_min": snr_min,
-            "selection": selection.value,
-            "flux_min_ujy": flux_min_ujy,
-            "flux_max_ujy": flux_max_ujy,
-        },
-        "bins": [{"flux": part.name, **part.record()} for part in found.bins],
-    }
-    write_json(output, record, overwrite=overwrite)
+    write_bias(output, found, provenance(context), overwrite=overwrite)
 
 
 def _refuse(estimator: str, shear: float, *, is_measured: bool, is_averaged: bool) -> None:
@@ -328,24 +318,24 @@ def _refuse(estimator: str, shear: float, *, is_measured: bool, is_averaged: boo
         raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
     if is_averaged and shear == 0:
         raise InputError(
-            "--facet cell-average --shear 0: the paper's facets cannot be rotated by a right angle, which"
-            " --shear 0 needs; give a shear"
+            "--facet cell-average --shear 0: without a shear the facets are rotated by 90 degrees, which is not"
+            " possible for cell averages; give --shear a value above 0"
         )
     if is_averaged and estimator != MEAN:
         raise InputError(
-            f"--facet cell-average --estimator {estimator}: the paper's facets work only with --estimator mean"
+            f"--facet cell-average --estimator {estimator}: facets of cell averages work only with --estimator mean"
         )
     if is_measured and estimator == "metacal":
         raise InputError(
-            "--estimator metacal --selection measured: the signal-to-noise ratio behind its round beam differs from"
-            " that of the shapes; --selection catalogue is needed"
+            "--estimator metacal --selection measured: metacal measures the signal-to-noise ratio with a round PSF,"
+            " where it differs from that of the shapes; use --selection catalogue"
         )
 
 
 def _refuse_in_a_crowd(given: dict[str, bool]) -> None:
-    """Refuse options that are for galaxies alone in the beam."""
+    """Refuse options that are for isolated galaxies."""
     for name, is_given in given.items():
         if is_given:
             raise InputError(
-                f"{name}: applies only to galaxies alone in the beam; leave it out, or leave out --density"
+                f"{name}: applies only to isolated galaxies; leave it out, or leave out --density"
             )

@@ -2,17 +2,18 @@
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 import math
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from uvshear.cli.options import (
-    Output,
     Overwrite,
     Pair,
     Seed,
     declination,
     finite,
+    output_option,
     positive,
     positive_range,
     provenance,
@@ -43,13 +44,17 @@ def catalogue(
             show_default=False,
         ),
     ],
-    output: Output,
+    output: Annotated[Path, output_option("Catalogue to write (.fits, .ecsv or .vot).")],
     density: Annotated[
-        float | None, typer.Option(callback=positive, help="Galaxies per square arcminute.")
+        float | None,
+        typer.Option(
+            callback=positive,
+            help="Number of galaxies per square arcminute; give either this or --count.",
+        ),
     ] = None,
     count: Annotated[
         int | None,
-        typer.Option(callback=positive, help="Number of galaxies, instead of a density."),
+        typer.Option(callback=positive, help="Number of galaxies; give either this or --density."),
     ] = None,
     flux_ujy: Annotated[
         Pair,
@@ -63,7 +68,8 @@ def catalogue(
         int,
         typer.Option(
             callback=positive,
-            help="Number of galaxies that share flux, size and |e|, equally spaced in angle.",
+            help="Number of galaxies in a ring: they share flux, size and |e|, and their orientations are equally"
+            " spaced. With 1 all galaxies are independent.",
         ),
     ] = 1,
     seed: Seed = 1,
@@ -83,8 +89,8 @@ def catalogue(
 ) -> None:
     """Draw a population of galaxies with the distributions of Rivi & Miller (2018), section 3.
 
-    Without a centre, positions are written as (l, m), which suit any pointing. The true ellipticities in the columns
-    e1 and e2 are for simulations; a measurement never uses them.
+    Unless --declination-deg is given, positions are written as (l, m), which can be used with any pointing. The true
+    ellipticities in the columns e1 and e2 are for simulations; a measurement never uses them.
     """
     import numpy as np
 
@@ -114,8 +120,8 @@ def catalogue(
         number = expected_number(sky, density / ARCMIN**2, ring=ring)
     if number == 0:
         raise InputError(
-            f"--density {density:g}: less than half a ring of {ring} in the field;"
-            " a higher density or a larger field is needed"
+            f"--density {density:g}: the field would hold less than half of a ring of {ring} galaxies, so that none is"
+            " drawn; a higher density or a larger field is needed"
         )
     if number % ring:
         raise InputError(f"--count {number}: a multiple of the ring size {ring} is needed")

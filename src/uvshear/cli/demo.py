@@ -186,7 +186,9 @@ def _compare(directory: Path, overwrite: bool) -> None:
     }
     for name, figure in figures.items():
         save(figure, directory / f"{name}.png", overwrite=overwrite)
-    say(f"everything is in {directory}: {', '.join(f'{name}.png' for name in PICTURES)}")
+    say(
+        f"all files are in {directory}; the pictures are {', '.join(f'{name}.png' for name in PICTURES)}"
+    )
 
 
 def _write_slopes(path: Path, slopes: "Sequence[Slopes]", overwrite: bool) -> None:
@@ -209,8 +211,9 @@ def _write_slopes(path: Path, slopes: "Sequence[Slopes]", overwrite: bool) -> No
             "slope_unweighted_err": [slope.error for slope in unweighted],
         },
         meta={
-            "definition": "measured on true ellipticity through the origin; slope: weights 1/s^2 (most likely those"
-            " of Rivi & Miller 2018), of effective_galaxies galaxies; slope_population: weights 1/(s^2 + 0.07)"
+            "definition": "measured on true ellipticity through the origin; slope: weights 1/s^2 with s the error"
+            " of e (probably the weights of Rivi & Miller 2018), of effective_galaxies galaxies; slope_population:"
+            " weights 1/(s^2 + 0.07)"
         },
     )
     write_table(path, table, overwrite=overwrite)
@@ -221,7 +224,7 @@ def _show(slopes: "Sequence[Slopes]", estimates: Sequence[Mapping[str, object]])
     first = [fitted.inverse_variance for fitted in slopes]
     rows = [
         (
-            "slope of e, weights 1/s^2 (most likely those of Rivi & Miller 2018)",
+            "slope of e, weights 1/s^2 with s the error of e (probably those of Rivi & Miller 2018)",
             *map(_with_error, first),
         ),
         ("effective number of galaxies", *(f"{slope.effective_number:.0f}" for slope in first)),
@@ -243,7 +246,7 @@ def _show(slopes: "Sequence[Slopes]", estimates: Sequence[Mapping[str, object]])
     show_table("Measured against true", ("", "component 1", "component 2"), rows)
     say(
         "Faint galaxies lower the slopes: at a low signal-to-noise ratio the posterior mean under a flat prior is"
-        " pulled towards zero.\nThe estimator `mean` is biased in the same way; `moments` is not."
+        " biased towards zero.\nThe estimator `mean` is biased in the same way; `moments` is not."
     )
 
 

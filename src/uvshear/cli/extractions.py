@@ -77,11 +77,14 @@ class ExtractionChoice:
     def _registered(self) -> "Extraction":
         from uvshear.extraction.registry import extraction_named
 
-        given = {"--facet": self.facet, "--facet-size": self.facet_size, "--passes": self.passes}
-        for option, value in given.items():
+        own = f"the extractions {CONVERGED} and {PAPER}"
+        given = {
+            "--facet": (self.facet, own),
+            "--facet-size": (self.facet_size, own),
+            "--passes": (self.passes, f"the extraction {PAPER}"),
+        }
+        for option, (value, where) in given.items():
             if value is not None:
-                raise InputError(
-                    f"{option}: applies only to the extractions {CONVERGED} and {PAPER}, not to {self.name}"
-                )
+                raise InputError(f"{option}: applies only to {where}, not to {self.name}")
         with named_by("--extraction", self.name):
             return extraction_named(self.name)

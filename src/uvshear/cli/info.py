@@ -44,7 +44,8 @@ def info(
 ) -> None:
     """Summarise a Measurement Set.
 
-    The summary shows array, fields, frequencies, flags and baselines, and whether the weights match the noise.
+    The summary lists the array, fields, frequencies, flags and baselines, and says whether the weights match the
+    noise. With --field it is that of one field.
     """
     from uvshear.io.observations import inspect
 
@@ -74,7 +75,7 @@ def _facts_of_set(seen: "Inspection") -> list[Fact]:
         high = (window.frequency + window.width / 2).max() / 1e6
         width = ", ".join(f"{hertz / 1e3:.6g}" for hertz in sorted(set(window.width.tolist()))[:3])
         content = f"{low:.6g} - {high:.6g} MHz, {len(window.frequency)} channels of {width} kHz"
-        facts.append((f"window {k}", f"{content}; {' '.join(window.correlations)}"))
+        facts.append((f"spectral window {k}", f"{content}; {' '.join(window.correlations)}"))
     return facts
 
 
@@ -86,10 +87,13 @@ def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
     direction = SkyCoord(centre.ra, centre.dec, unit="rad")
     facts = [
         ("phase centre", direction.to_string("hmsdms", precision=2)),
-        ("rows", f"{counts.rows} and {counts.autocorrelations} autocorrelations"),
+        (
+            "rows",
+            f"{counts.rows} cross-correlations, {counts.autocorrelations} autocorrelations",
+        ),
         ("visibilities (Stokes I)", f"{counts.samples}, {counts.usable} usable"),
         ("flagged", f"{100 * counts.flagged_fraction:.2f} %"),
-        ("weights", content.weight_column or "as the reader gives them"),
+        ("weights", content.weight_column or "from the reader"),
     ]
     if not counts.rows:
         return facts
@@ -97,11 +101,11 @@ def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
     shortest, longest = ranges.interval
     interval = f"{shortest:.4g}" + (f" to {longest:.4g}" if longest > shortest else "")
     widest = max((float(window.averaged.max()) for window in seen.windows), default=0.0)
-    over_time = f"{interval} s" if longest > 0 else "no time"
-    over_channel = f"{widest / 1e3:.6g} kHz" if widest > 0 else "no band"
+    over_time = f"{interval} s" if longest > 0 else "none in time"
+    over_channel = f"{widest / 1e3:.6g} kHz" if widest > 0 else "none in frequency"
     facts += [
         ("time", f"{start.isot[:19]} to {end.isot[:19]} UTC"),
-        ("averaged over", f"{over_time}, {over_channel}"),
+        ("averaging", f"{over_time}, {over_channel}"),
     ]
     if counts.usable:
         (near, far), (low, high) = ranges.baseline, ranges.uv_distance
@@ -110,7 +114,9 @@ def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
             ("uv distance", f"{low:.4g} to {high:.6g} wavelengths"),
         ]
     ratio = content.quality.noise_ratio
-    sense = {True: "yes", False: "the opposite", None: "neither sign fits"}[content.uvw_agrees]
+    sense = {True: "yes", False: "no, the opposite sign", None: "neither sign fits"}[
+        content.uvw_agrees
+    ]
     return [
         *facts,
         ("noise / noise implied by the weights", "not known" if ratio is None else f"{ratio:.3g}"),

@@ -53,10 +53,12 @@ def layouts(
             ", ".join(f"{diameter:g}" for diameter in diameters) + " m" if len(diameters) else "?",
         )
 
-    columns = ("array", "antennas", "shortest", "longest baseline", "dishes")
+    columns = ("array", "antennas", "shortest baseline", "longest baseline", "dishes")
     if name is None:
         rows = [describe(load_layout(known)) for known in known_layouts()]
-        show_table("Known arrays (any file of ITRF X Y Z [m] works too)", columns, rows)
+        show_table(
+            "Known arrays (a file of ITRF positions X Y Z [m] can be given as well)", columns, rows
+        )
         return
     layout = load_layout(name)
     picture = Path(f"{layout.name}-layout.png") if output is None else output

@@ -10,10 +10,10 @@ import typer
 from uvshear.cli.beams import NONE, PrimaryBeamOption, beam_of_observation
 from uvshear.cli.extractions import CONVERGED, ExtractionChoice, FacetName
 from uvshear.cli.options import (
-    Output,
     Overwrite,
     Threads,
     non_negative,
+    output_option,
     positive,
     provenance,
     uv_range_of,
@@ -91,7 +91,13 @@ def measure(
         Path,
         typer.Option(rich_help_panel=DATA, help="Catalogue of the sources.", show_default=False),
     ],
-    output: Output,
+    output: Annotated[
+        Path,
+        output_option(
+            "Table of shapes to write (.fits, .ecsv or .vot). NAME.sky.fits, and with --keep NAME.stats.fits, are"
+            " written beside it."
+        ),
+    ],
     column: ColumnOption = "DATA",
     subtract: SubtractOption = None,
     field: FieldOption = None,
@@ -101,8 +107,8 @@ def measure(
         NoiseName,
         typer.Option(
             rich_help_panel=DATA,
-            help="Origin of the noise level: the weights, or the scatter of the data, to which the weights are then"
-            " rescaled.",
+            help="Origin of the noise level: the weights as they stand, or the scatter of the data. With data, the"
+            " weights are rescaled to agree with that scatter.",
         ),
     ] = NoiseName.WEIGHTS,
     ignore_flags: Annotated[
@@ -117,7 +123,7 @@ def measure(
         str | None,
         typer.Option(
             rich_help_panel=DATA,
-            help="Unit of the catalogue's flux, for files without units (CSV).",
+            help="Unit of the catalogue's fluxes, such as uJy or mJy, for files without units (CSV).",
         ),
     ] = None,
     reference_frequency_mhz: Annotated[
@@ -125,7 +131,8 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=DATA,
-            help="Frequency of the catalogue's fluxes, overriding the file.",
+            help="Frequency to which the catalogue's fluxes refer. It overrides the value in the file, which is"
+            " 1400 if the file has none.",
         ),
     ] = None,
     profile: Annotated[
@@ -148,8 +155,8 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=MODEL,
-            help="Radius about the catalogue's position within which a source lies; by default one width of the peak"
-            " of the cross-correlation.",
+            help="Radius about the catalogue's position within which a source must lie; by default the standard"
+            " deviation of the peak in the cross-correlation of the data with a round galaxy of median size.",
         ),
     ] = None,
     primary_beam: PrimaryBeamOption = NONE,
@@ -158,7 +165,7 @@ def measure(
         typer.Option(
             "--smearing/--no-smearing",
             rich_help_panel=MODEL,
-            help="Include bandwidth and time smearing in the models of sources (converged extraction).",
+            help="Include bandwidth and time smearing in the models of sources (only with --extraction converged).",
         ),
     ] = True,
     extraction: Annotated[
@@ -174,7 +181,8 @@ def measure(
         FacetName | None,
         typer.Option(
             rich_help_panel=METHOD,
-            help="Method of making facets: exact (converged extraction), or averages in uv cells (paper).",
+            help="Method of making facets: exact, which is the default of --extraction converged, or cell-average"
+            " (averages in uv cells), which is the default of --extraction paper and possible only there.",
             show_default=False,
         ),
     ] = None,
@@ -183,8 +191,8 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=METHOD,
-            help="Width of a facet in scale lengths; by default 45, or for the paper's facets the number of cells in"
-            " its Table 1.",
+            help="Width of a facet in scale lengths; 45 by default. Facets of cell averages have by default the"
+            " numbers of cells of Table 1 in Rivi & Miller (2018).",
         ),
     ] = None,
     passes: Annotated[
@@ -223,8 +231,8 @@ def measure(
         typer.Option(
             rich_help_panel=OUTPUT,
             metavar="NAMES",
-            help="Shear estimators whose statistics are stored with the shapes, separated by commas:"
-            " moments, bayesian, metacal, or MODULE:NAME of your own (converged extraction).",
+            help="Comma-separated list of the shear estimators whose statistics are stored beside the shapes: moments,"
+            " bayesian, metacal, or MODULE:NAME of your own (only with --extraction converged).",
             show_default=False,
         ),
     ] = None,
@@ -372,17 +380,19 @@ def tell_convergence(record: "Mapping[str, object]") -> None:
     if not isinstance(left, float) or not isinstance(tolerance, float):
         return
     say(
-        f"{record['major_cycles']} major cycles; another one would change the sources by {left:.2g} of the noise"
-        f" (rms), and by {record['left_undone_most']:.2g} at most"
+        f"{record['major_cycles']} major cycles; one more would change the models of the sources by {left:.2g} times"
+        f" the noise (rms over the sources), and that of any one source by at most {record['left_undone_most']:.2g}"
+        " times"
     )
     if left > tolerance:
         warn(
-            f"the sky has not converged: another major cycle would change it by {left:.2g} of the noise, which is"
-            f" more than {tolerance:g}; treat the shapes of overlapping galaxies with care"
+            f"the sky model has not converged: one more major cycle would change it by {left:.2g} times the noise,"
+            f" which is above the tolerance of {tolerance:g}; treat the shapes of overlapping galaxies with care"
         )
     released = record.get("released")
     if isinstance(released, list) and released[-1] > RELEASED:
         warn(
-            "the sky fitted without priors, from which the statistics are computed, still changed by"
-            f" {released[-1]:.2g} of the noise (rms) in the last cycle; treat shears from these statistics with care"
+            "the sky model with the wide prior on ellipticities, from which the statistics of --keep are computed,"
+            f" still changed by {released[-1]:.2g} times the noise (rms) in its last cycle; treat shears from these"
+            " statistics with care"
         )

@@ -23,7 +23,7 @@ NO_PART_OF_THE_RESULT = frozenset({"threads", "overwrite", "output", "residual_i
 def positive(value: float | None) -> float | None:
     """Check a number above 0."""
     if value is not None and not 0 < value < math.inf:
-        raise typer.BadParameter(f"{value:g} is not above 0")
+        raise typer.BadParameter(f"{value:g}: it must be above 0")
     return value
 
 
@@ -37,28 +37,28 @@ def all_positive(values: list[float] | None) -> list[float] | None:
 def non_negative(value: float | None) -> float | None:
     """Check a number of 0 or more."""
     if value is not None and not 0 <= value < math.inf:
-        raise typer.BadParameter(f"{value:g} is not 0 or more")
+        raise typer.BadParameter(f"{value:g}: it must be 0 or more")
     return value
 
 
 def finite(value: float | None) -> float | None:
     """Check a number that is neither NaN nor infinite."""
     if value is not None and not math.isfinite(value):
-        raise typer.BadParameter(f"{value:g} is not a finite number")
+        raise typer.BadParameter(f"{value:g}: it must be a finite number")
     return value
 
 
 def fraction(value: float | None) -> float | None:
     """Check a number above 0, up to 1."""
     if value is not None and not 0 < value <= 1:
-        raise typer.BadParameter(f"{value:g} is not above 0 and up to 1")
+        raise typer.BadParameter(f"{value:g}: it must be above 0 and at most 1")
     return value
 
 
 def declination(value: float | None) -> float | None:
     """Check a declination in degrees."""
     if value is not None and not -90 <= value <= 90:
-        raise typer.BadParameter(f"{value:g} is not between -90 and 90 degrees")
+        raise typer.BadParameter(f"{value:g}: it must be between -90 and 90 degrees")
     return value
 
 
@@ -97,7 +97,9 @@ def pair_of_numbers(text: str) -> Pair:
     try:
         first, second = (float(number) for number in text.split(","))
     except ValueError:
-        raise typer.BadParameter(f"'{text.replace(',', ' ')}' is not a pair of numbers") from None
+        raise typer.BadParameter(
+            f"'{text.replace(',', ' ')}': two numbers A B are needed"
+        ) from None
     return first, second
 
 
@@ -123,12 +125,6 @@ Seed = Annotated[
         "--seed", min=0, help="Seed of the random numbers: the same seed gives the same result."
     ),
 ]
-Output = Annotated[
-    Path,
-    typer.Option(
-        "-o", "--output", rich_help_panel=OUTPUT, help="File to write.", show_default=False
-    ),
-]
 Overwrite = Annotated[
     bool,
     typer.Option("--overwrite", rich_help_panel=OUTPUT, help="Replace outputs that exist."),
@@ -142,6 +138,11 @@ Threads = Annotated[
         help="Number of cores to use; 0 means all cores.",
     ),
 ]
+
+
+def output_option(text: str) -> Any:
+    """Return the option of the output of a command, with its help."""
+    return typer.Option("-o", "--output", rich_help_panel=OUTPUT, help=text, show_default=False)
 
 
 def provenance(context: typer.Context, *inputs: Path) -> "Provenance":

@@ -74,7 +74,8 @@ def psf(
         typer.Option(
             callback=all_positive,
             rich_help_panel=METHOD,
-            help="Width (sigma) of the Gaussian under which moments are taken; may be repeated; 1 and 3 by default.",
+            help="Standard deviation (sigma) of the Gaussian weight with which the moments of the PSF are"
+            " measured; the option may be repeated; 1 and 3 by default.",
             show_default=False,
         ),
     ] = None,
@@ -125,7 +126,8 @@ def psf(
 ) -> None:
     """Measure the ellipticity and the size of the PSF, and draw it and the uv coverage.
 
-    If a weighting is given, the PSF with natural weights is shown as well, and the loss of information on shapes.
+    If a weighting is given, the table also lists the PSF with natural weights and the loss of information on shapes;
+    the picture shows the weighted PSF.
     """
     uv_range = uv_range_of(uv_min, uv_max)
     sigmas = weight_sigma_arcsec or [1.0, 3.0]
@@ -213,6 +215,6 @@ def image_size(sigma_arcsec: float, pixel_arcsec: float) -> int:
     if not 16 <= size <= 16384:
         raise InputError(
             f"--weight-sigma-arcsec {sigma_arcsec:g} --pixel-arcsec {pixel_arcsec:g}:"
-            f" would need an image of {size} pixels; give pixels of about sigma/5"
+            f" would need an image {size} pixels across, but 16 to 16384 are possible; give pixels of about sigma/5"
         )
     return size

@@ -19,14 +19,14 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class PsfFigures:
-    """Shapes of one PSF under each weight, and of its main lobe; None where a shape cannot be measured."""
+    """Shapes of one PSF with each Gaussian weight, and of its main lobe; None where a shape cannot be measured."""
 
     moments: "tuple[PsfShape | None, ...]"
     lobe: "MainLobe | None"
 
     @property
     def ellipticity(self) -> complex | None:
-        """Ellipticity under the last of the Gaussian weights."""
+        """Ellipticity with the last of the Gaussian weights."""
         last = self.moments[-1]
         return last.ellipticity if last else None
 
@@ -34,7 +34,7 @@ class PsfFigures:
 def measure_figures(
     name: str, image: "Float[Array, 'l m']", pixel: float, sigmas: Sequence[float]
 ) -> PsfFigures:
-    """Measure an image on pixels of ``pixel`` [rad] under Gaussian weights of these widths [arcsec]."""
+    """Measure an image on pixels of ``pixel`` [rad] with Gaussian weights of these widths [arcsec]."""
     from uvshear.constants import ARCSEC
     from uvshear.interferometer.psf_shape import fit_main_lobe, measure_psf
 
@@ -58,12 +58,12 @@ def shape_rows(figures: Sequence[PsfFigures], sigmas: Sequence[float]) -> list[t
     rows: list[tuple[str, ...]] = []
     for index, sigma in enumerate(sigmas):
         moments = [figure.moments[index] for figure in figures]
-        under = f"under a weight of sigma {sigma:g} arcsec"
+        weight = f"Gaussian weight of sigma {sigma:g} arcsec"
         rows += [
-            _row(f"e1 {under}", moments, lambda shape: f"{shape.ellipticity.real:+.4f}"),
-            _row(f"e2 {under}", moments, lambda shape: f"{shape.ellipticity.imag:+.4f}"),
+            _row(f"e1, {weight}", moments, lambda shape: f"{shape.ellipticity.real:+.4f}"),
+            _row(f"e2, {weight}", moments, lambda shape: f"{shape.ellipticity.imag:+.4f}"),
             _row(
-                "size R = Q_ll + Q_mm",
+                f"size Q_ll + Q_mm, {weight}",
                 moments,
                 lambda shape: f"{shape.size / ARCSEC**2:.3f} arcsec2",
             ),
@@ -85,8 +85,8 @@ def loss_rows(loss: "WeightingLoss", scale_length_arcsec: float) -> list[tuple[s
     """Return the rows of signal-to-noise ratios and information of weighted data, relative to natural weights."""
     disc = f"a disc of scale length {scale_length_arcsec:g} arcsec"
     return [
-        ("SNR of a point source", "1", f"{loss.snr_point:.4f}"),
-        (f"SNR of {disc}", "1", f"{loss.snr_galaxy:.4f}"),
-        (f"1/variance of e1 of {disc}", "1", f"{loss.information[0]:.4f}"),
-        (f"1/variance of e2 of {disc}", "1", f"{loss.information[1]:.4f}"),
+        ("relative SNR of a point source", "1", f"{loss.snr_point:.4f}"),
+        (f"relative SNR of {disc}", "1", f"{loss.snr_galaxy:.4f}"),
+        (f"relative information (1/variance) on e1 of {disc}", "1", f"{loss.information[0]:.4f}"),
+        (f"relative information (1/variance) on e2 of {disc}", "1", f"{loss.information[1]:.4f}"),
     ]

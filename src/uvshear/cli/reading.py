@@ -28,7 +28,7 @@ FieldOption = Annotated[
     typer.Option(
         "--field",
         rich_help_panel=DATA,
-        help="Name or number of the field, needed where a set has several.",
+        help="Name or number of the field; required by all commands but info if the set has several.",
     ),
 ]
 ScansOption = Annotated[
@@ -44,7 +44,8 @@ ConjugateOption = Annotated[
     typer.Option(
         "--conjugate",
         rich_help_panel=DATA,
-        help="Reverse the sign of UVW, for a set in which the sky would be mirrored.",
+        help="Reverse the sign of UVW, for a set in which the sky would otherwise appear rotated by 180 degrees"
+        " about the phase centre.",
     ),
 ]
 

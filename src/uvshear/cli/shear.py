@@ -2,15 +2,14 @@
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from uvshear.cli.corrections import ShearRun, refuse_another
 from uvshear.cli.estimators import NAMES, PAPER, PRIOR_METAVAR, estimator_named
 from uvshear.cli.options import Overwrite, Seed, Threads, non_negative, provenance
 from uvshear.cli.panels import DATA, METHOD, OUTPUT, GroupedCommand
-from uvshear.cli.terminal import progress_bar, say, warn
+from uvshear.cli.terminal import notes_of_warnings, progress_bar, say, warn
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -33,8 +32,8 @@ def shear(
         typer.Option(
             metavar="NAME",
             rich_help_panel=METHOD,
-            help=f"Estimator of the shear: {NAMES}, or MODULE:NAME of your own. Noise biases the mean; moments and"
-            " bayesian have no noise bias, and need measure --keep.",
+            help=f"Estimator of the shear: {NAMES}, or MODULE:NAME of your own. The mean is biased by noise;"
+            " moments and bayesian are not. All but the mean need the statistics that measure --keep stores.",
         ),
     ] = "mean",
     snr_min: Annotated[
@@ -56,7 +55,8 @@ def shear(
     calibration: Annotated[
         Path | None,
         typer.Option(
-            rich_help_panel=METHOD, help="Bias to remove: a file written by uvshear bias."
+            rich_help_panel=METHOD,
+            help="File written by uvshear bias, whose bias is removed from the shear.",
         ),
     ] = None,
     prior: Annotated[
@@ -64,8 +64,8 @@ def shear(
         typer.Option(
             metavar=PRIOR_METAVAR,
             rich_help_panel=METHOD,
-            help="Population of galaxies that bayesian assumes: that of the paper, one fitted to the sources, or one"
-            " read from a JSON file.",
+            help="Population of galaxies that bayesian assumes: paper (that of Rivi & Miller 2018), fitted (fitted"
+            " to these sources), or a JSON file.",
         ),
     ] = PAPER,
     seed: Seed = 1,
@@ -79,31 +79,21 @@ def shear(
     """Estimate the shear of measured galaxies, in the frame of local North, in total and by flux."""
     from uvshear.constants import MICROJANSKY
     from uvshear.execution import in_processes
-    from uvshear.io.bias_records import read_correction
-    from uvshear.io.outputs import check_file, write_json
-    from uvshear.io.shapes import averages_cells
-    from uvshear.pipeline.measurement import read_measurement
+    from uvshear.io.outputs import check_file
+    from uvshear.io.shear_records import write_shear
     from uvshear.pipeline.shear import estimate_shear
 
     if output is not None:
         inputs = [shapes, Path(prior), *([] if calibration is None else [calibration])]
         check_file(output, overwrite=overwrite, inputs=inputs)
     method = estimator_named(estimator, prior=prior, seed=seed)
-    measurement = read_measurement(shapes)
-    correction = None
-    if calibration is not None:
-        correction = read_correction(calibration)
-        own = ShearRun(
-            method.name, snr_min, flux_min_ujy, method.record(), averages_cells(measurement.shapes)
-        )
-        refuse_another(calibration, correction, own)
-    with progress_bar("estimating the shear") as progress:
+    with notes_of_warnings(), progress_bar("estimating the shear") as progress:
         found = estimate_shear(
-            measurement,
+            shapes,
             method,
             snr_min=snr_min,
             flux_min=flux_min_ujy * MICROJANSKY,
-            correction=correction,
+            correction=calibration,
             executor=in_processes(threads),
             progress=progress,
         )
@@ -113,19 +103,11 @@ def shear(
     say(str(found))
     for name, part in found.bins.items():
         say(f"{name}: {part}")
-    if method.remark and correction is None:
+    if method.remark and calibration is None:
         warn(method.remark)
     if output is not None:
-        cuts = {"snr_min": snr_min, "flux_min_ujy": flux_min_ujy}
         made = provenance(context, shapes, *(() if calibration is None else (calibration,)))
-        record: dict[str, Any] = found.numbers() | dict(found.assumed) | made.record()
-        record |= {
-            "cuts": cuts,
-            "seed": seed,
-            "calibration": None if calibration is None else str(calibration),
-            "bins": [{"flux": name, **part.numbers()} for name, part in found.bins.items()],
-        }
-        write_json(output, record, overwrite=overwrite)
+        write_shear(output, found, made, overwrite=overwrite)
 
 
 def describe_population(record: "Mapping[str, Mapping[str, float]]") -> str:

@@ -10,7 +10,6 @@ import typer
 
 from uvshear.cli.beams import NONE, PrimaryBeamOption, beam_of_dishes
 from uvshear.cli.options import (
-    Output,
     Overwrite,
     Pair,
     PairsCommand,
@@ -21,6 +20,7 @@ from uvshear.cli.options import (
     fraction,
     hour_angle_ranges,
     non_negative,
+    output_option,
     pair_of_numbers,
     positive,
     positive_pair,
@@ -52,7 +52,7 @@ class NoiseOn(StrEnum):
     CORRELATION = "correlation"
 
 
-SHORT = "Simulate the observation of a catalogue."
+SHORT = "Simulate an observation of the sources of a catalogue."
 
 
 def register(app: typer.Typer) -> None:
@@ -97,7 +97,7 @@ def simulate(
             show_default=False,
         ),
     ],
-    output: Output,
+    output: Annotated[Path, output_option("Measurement Set to write.")],
     declination_deg: Annotated[
         float | None,
         typer.Option(
@@ -111,7 +111,8 @@ def simulate(
         typer.Option(
             callback=finite,
             rich_help_panel=ARRAY,
-            help="Right ascension of the phase centre; by default that of the catalogue's field, or 0.",
+            help="Right ascension of the phase centre; by default that of the catalogue's field. It is required if the"
+            " catalogue has (ra, dec) without a field centre, and 0 for (l, m) positions.",
         ),
     ] = None,
     hours: Annotated[
@@ -119,7 +120,7 @@ def simulate(
         typer.Option(
             callback=positive,
             rich_help_panel=ARRAY,
-            help="Length of the track, centred on transit.",
+            help="Length of the track, centred on transit; give either this or --hour-angles.",
         ),
     ] = None,
     hour_angles: Annotated[
@@ -128,7 +129,8 @@ def simulate(
             callback=hour_angle_ranges,
             metavar="A B",
             rich_help_panel=ARRAY,
-            help="Start and end of the track, in hours from transit; the option may be repeated.",
+            help="Start and end of the track, in hours from transit; the option may be repeated. Give either this"
+            " or --hours.",
         ),
     ] = None,
     channels: Annotated[
@@ -143,7 +145,8 @@ def simulate(
             callback=reduced_shear,
             metavar="G1 G2",
             rich_help_panel=SKY,
-            help="Reduced shear of all galaxies in the frame of local North (TreeCorr's convention for RA and Dec).",
+            help="Reduced shear of all galaxies in the frame of local North (TreeCorr's convention for RA and Dec);"
+            " it is applied after the catalogue's own shears.",
         ),
     ] = (0.0, 0.0),
     legacy_shear: Annotated[
@@ -151,8 +154,8 @@ def simulate(
         typer.Option(
             "--legacy-shear",
             rich_help_panel=SKY,
-            help="Shear the ellipticities and keep the scale lengths, as the paper's simulations do; a real lens"
-            " changes both.",
+            help="Shear the ellipticities but keep the scale lengths, as Rivi & Miller (2018) do in their"
+            " simulations; a real lens changes both.",
         ),
     ] = False,
     snr_at: Annotated[
@@ -168,7 +171,8 @@ def simulate(
         str | None,
         typer.Option(
             rich_help_panel=NOISE,
-            help="System equivalent flux density of the dishes: a number, or DIAMETER:SEFD,DIAMETER:SEFD.",
+            help="System equivalent flux density: one number for all dishes, or a list DIAMETER:SEFD,DIAMETER:SEFD"
+            " with the diameters of the dishes in metres.",
         ),
     ] = None,
     efficiency: Annotated[
@@ -176,15 +180,14 @@ def simulate(
         typer.Option(
             callback=fraction,
             rich_help_panel=NOISE,
-            help="System efficiency in the radiometer equation, with --sefd-jy.",
+            help="With --sefd-jy: system efficiency in the radiometer equation.",
         ),
     ] = 0.9,
     noise_on: Annotated[
         NoiseOn,
         typer.Option(
             rich_help_panel=NOISE,
-            help="Quantity to which the sigma of the radiometer equation applies, Stokes I or each correlation, with"
-            " --sefd-jy.",
+            help="With --sefd-jy: whether the radiometer equation gives the noise of Stokes I or of each correlation.",
         ),
     ] = NoiseOn.STOKES_I,
     no_noise: Annotated[
@@ -192,7 +195,7 @@ def simulate(
         typer.Option(
             "--no-noise",
             rich_help_panel=NOISE,
-            help="Add no noise, but write the weights that the noise would have.",
+            help="Add no noise, but write the weights that correspond to the chosen noise level.",
         ),
     ] = False,
     elevation_limit_deg: Annotated[
@@ -217,7 +220,7 @@ def simulate(
             "--smearing",
             rich_help_panel=MODEL,
             help="Average over channels and integrations, as a correlator does; otherwise each sample is at a"
-            " single frequency and time, as in the paper.",
+            " single frequency and time, as in Rivi & Miller (2018).",
         ),
     ] = False,
     primary_beam: PrimaryBeamOption = NONE,
@@ -233,14 +236,17 @@ def simulate(
         str | None,
         typer.Option(
             rich_help_panel=DATA,
-            help="Unit of the catalogue's flux, for files without units (CSV).",
+            help="Unit of the catalogue's fluxes, such as uJy or mJy, for files without units (CSV).",
         ),
     ] = None,
     seed: Seed = 1,
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Simulate the observation of a catalogue by an exact sum without gridding, and write a Measurement Set."""
+    """Simulate an observation of the sources of a catalogue, and write a Measurement Set.
+
+    Visibilities are computed by direct summation, without gridding.
+    """
     if (hours is None) == (not hour_angles):
         raise InputError("--hours or --hour-angles: give one of the two")
     if snr_at is not None and sefd_jy is not None:

@@ -37,7 +37,7 @@ RobustOption = Annotated[
         "--robust",
         callback=finite,
         rich_help_panel=METHOD,
-        help="Robustness of --weight briggs, from -2 (uniform) to 2 (natural).",
+        help="Briggs robustness, from -2 (nearly uniform) to 2 (nearly natural); required with --weight briggs.",
     ),
 ]
 USUAL_FIELD = 10.0
@@ -49,8 +49,8 @@ WeightFieldOption = Annotated[
         "--weight-field-arcmin",
         callback=positive,
         rich_help_panel=METHOD,
-        help="Field of view whose inverse is the width of the uv cells of --weight uniform and briggs; 10 by default."
-        " Imagers use the width of the image, and wsclean 1.2 times that width.",
+        help="Field of view that sets the width of the uv cells (its inverse) for --weight uniform and briggs; 10 by"
+        " default. Imagers usually take the width of the image here; wsclean takes 1.2 times that width.",
         show_default=False,
     ),
 ]
@@ -86,7 +86,8 @@ RoundPsfOption = Annotated[
     typer.Option(
         "--round-psf",
         rich_help_panel=METHOD,
-        help="Weight the directions on every ring of the uv plane so that the PSF is round.",
+        help="Reweight the visibilities by position angle within each annulus of the uv plane so that the PSF is"
+        " round.",
     ),
 ]
 
@@ -118,7 +119,9 @@ class WeightChoice:
 
         if (self.robust is not None) != (self.weight is WeightName.BRIGGS):
             raise InputError(
-                f"--weight {self.weight.value}: --robust and --weight briggs go together"
+                "--weight briggs: --robust is required"
+                if self.robust is None
+                else f"--weight {self.weight.value} --robust {self.robust:g}: --robust applies only to --weight briggs"
             )
         if self.field_arcmin is not None and self.weight is WeightName.NATURAL:
             raise InputError(
@@ -127,11 +130,11 @@ class WeightChoice:
             )
         if self.taper_tukey is not None and uv_max is None:
             raise InputError(
-                f"--taper-tukey {self.taper_tukey:g}: --uv-max is needed, where the taper ends"
+                f"--taper-tukey {self.taper_tukey:g}: the taper ends at --uv-max, which must be given"
             )
         if self.taper_inner_tukey is not None and not uv_min:
             raise InputError(
-                f"--taper-inner-tukey {self.taper_inner_tukey:g}: --uv-min is needed, where the taper begins"
+                f"--taper-inner-tukey {self.taper_inner_tukey:g}: the taper begins at --uv-min, which must be given"
             )
         longest = math.inf if uv_max is None else uv_max
         rise, fall = self.taper_inner_tukey or 0.0, self.taper_tukey or 0.0

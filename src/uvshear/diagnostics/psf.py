@@ -55,6 +55,6 @@ class PsfAccumulator(Accumulator[Float[Array, "l m"]]):
 def point_spread_function(
     observation: Observation, grid: ImageGrid, *, executor: Executor = SERIAL
 ) -> Float[Array, "l m"]:
-    """Read an observation once, for its beam (:class:`PsfAccumulator`)."""
+    """Compute the PSF (dirty beam) of an observation in one pass over its visibilities (:class:`PsfAccumulator`)."""
     (image,) = accumulate(observation, [PsfAccumulator(grid, executor)])
     return image

@@ -267,8 +267,9 @@ def plan_image(sky: Galaxies, uv_range: UvRange, longest: float) -> tuple[ImageG
     carried = min(wanted, 1 / (2 * OVERSAMPLING * pixel))
     if uv_range.minimum >= carried:
         raise InputError(
-            f"--uv-min {uv_range.minimum:g}: an image of {size} pixels that holds every source represents"
-            f" baselines up to {carried:.4g} wavelengths; a lower --uv-min is needed, or no residual image"
+            f"--uv-min {uv_range.minimum:g}: a residual image of {size} pixels that covers every source can"
+            f" represent only baselines up to {carried:.4g} wavelengths; lower --uv-min, or leave out the residual"
+            " image"
         )
     return ImageGrid(size, pixel), UvRange(uv_range.minimum, carried)
 

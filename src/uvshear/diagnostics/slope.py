@@ -2,8 +2,8 @@
 
 Such a slope depends on the weights of the galaxies. The formal error that Rivi & Miller 2018 quote is that of weights
 1/s^2, with s the error of each ellipticity; such a slope is dominated by the few brightest galaxies. The posterior mean
-under a flat prior is pulled towards zero at a low signal-to-noise ratio, so that weights which give faint galaxies more
-influence lead to lower slopes of the same shapes.
+under a flat prior is biased towards zero at a low signal-to-noise ratio, and weights that give faint galaxies more
+influence therefore lead to lower slopes of the same shapes.
 """
 
 import math
@@ -24,7 +24,7 @@ Weighting: TypeAlias = Callable[[Float[Array, " source"]], Float[Array, " source
 
 
 def inverse_variance_weights(error: Float[Array, " source"]) -> Float[Array, " source"]:
-    """Weights 1/s^2, most likely those of the slopes in Rivi & Miller 2018."""
+    """Weights 1/s^2, probably those of the slopes in Rivi & Miller 2018."""
     return 1 / error**2
 
 
@@ -67,7 +67,7 @@ class Slopes:
     Parameters
     ----------
     inverse_variance
-        Slope with weights 1/s^2, most likely the definition of Rivi & Miller 2018.
+        Slope with weights 1/s^2, probably the definition of Rivi & Miller 2018.
     population
         Slope with weights 1/(s^2 + 0.07).
     unweighted
@@ -106,8 +106,12 @@ def fit_slope(
     w = weighting(s)
     leverage = w * x**2
     norm = float(np.sum(leverage))
-    if len(x) < 2 or norm == 0:
+    if len(x) < 2:
         raise InputError(f"a slope needs two or more measured galaxies; there are {len(x)}")
+    if norm == 0:
+        raise InputError(
+            "a slope needs galaxies that are not round; all true ellipticities are zero"
+        )
     slope = float(np.sum(w * x * y)) / norm
     variance = float(np.sum((w * x * (y - slope * x)) ** 2)) / norm**2
     return Slope(
@@ -123,7 +127,7 @@ def fit_slopes(
     measured: Float[Array, " source"],
     error: Float[Array, " source"],
 ) -> Slopes:
-    """Fit the slope of one component of e with each of the three weightings, as :func:`fit_slope`."""
+    """Fit the slope of one component of e with each of the three weightings, as :func:`fit_slope` does."""
     return Slopes(
         inverse_variance=fit_slope(true, measured, error, inverse_variance_weights),
         population=fit_slope(true, measured, error, population_weights),

@@ -41,13 +41,15 @@ def weighting_loss(
 ) -> WeightingLoss:
     r"""Compute the loss for a galaxy of a scale length [rad] from the covariance of linear estimates.
 
-    With D the derivatives of the model by flux, ellipticity and ln(scale length), natural weights w and factors T,
+    With D the derivatives of the model with respect to flux, ellipticity and ln(scale length), natural weights w and
+    factors T,
 
     .. math::
         \mathrm{cov}_T = H^{-1} J H^{-1},\quad H = \sum w T D D^T,\ J = \sum w T^2 D D^T,\quad
         \mathrm{cov} = \left(\sum w D D^T\right)^{-1}
 
-    Positions are left out, because the derivative of a model by its position is imaginary and the others are real.
+    Positions are left out, because the derivative of a model with respect to its position is imaginary and the others
+    are real.
 
     Raises
     ------

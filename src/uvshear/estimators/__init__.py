@@ -5,6 +5,7 @@
 """
 
 from uvshear.estimators.bayesian import Bayesian
+from uvshear.estimators.bias import Bias
 from uvshear.estimators.estimate import estimate_sample_shear
 from uvshear.estimators.estimator import Estimator
 from uvshear.estimators.mean import Mean
@@ -19,6 +20,7 @@ from uvshear.estimators.terms import Terms
 __all__ = [
     "ESTIMATORS",
     "Bayesian",
+    "Bias",
     "Estimator",
     "Mean",
     "Metacal",

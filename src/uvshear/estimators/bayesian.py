@@ -57,7 +57,8 @@ class Bayesian(Estimator):
             "three coordinates of the lowest node, and the number of nodes, for each column of the lattice"
         ),
         "log_likelihood": Column(
-            "log likelihood below its maximum, in thousandths, column by column of the lattice"
+            "maximum of the log likelihood minus its value, in units of 0.001, at the nodes of one column of the"
+            " lattice after another"
         ),
         "flux_terms": Column("coefficients of the polynomial for the flux at each node", "Jy"),
         "variance_terms": Column(
@@ -119,7 +120,7 @@ class Bayesian(Estimator):
         return self.fits_population
 
     def trained(self, sample: Sample, about: complex, meter: Meter | None = None) -> Self:
-        """Return the estimator with the population fitted to a sample of galaxies behind a shear."""
+        """Return the estimator with the population fitted to a sample of sheared galaxies."""
         pairs = [
             (likelihood, shear)
             for likelihood, shear in zip(

@@ -38,7 +38,7 @@ def estimate_sample_shear(
 ) -> ShearEstimate:
     """Estimate the shear of a sample in the frame of the sky, in total and in bins of the column ``flux``.
 
-    An estimator that learns from the sample is first trained on all of it.
+    An estimator that fits its population to the sample is first trained on all of it.
 
     Raises
     ------
@@ -50,8 +50,9 @@ def estimate_sample_shear(
     if estimator.is_learning:
         if estimator.learner is not estimator:
             raise InputError(
-                f"the estimator '{estimator.name}' wraps '{estimator.learner.name}', which learns from a sample; this"
-                f" must happen before the measurement, because the statistics depend on it"
+                f"the estimator '{estimator.name}' wraps '{estimator.learner.name}' with a population that is yet to be"
+                " fitted, and the stored statistics depend on that population; fit it first, and measure again with the"
+                " fitted population"
             )
         (first,) = _estimates(estimator, sample, [slice(None)], executor, meter)
         estimator = estimator.trained(sample, _known(first, sample).shear, meter)
@@ -68,7 +69,8 @@ def estimate_sample_shear(
 def _known(estimate: ShearEstimate | None, sample: Sample) -> ShearEstimate:
     if estimate is None:
         raise InputError(
-            f"of {len(sample)} galaxies, fewer than {LEAST} contribute to the shear; {LEAST} or more are needed"
+            f"of {len(sample)} selected galaxies, fewer than {LEAST} contribute to the shear; {LEAST} or more are"
+            " needed that have no flag, pass the cuts and have statistics"
         )
     return estimate
 

@@ -18,9 +18,9 @@ class Estimator(ABC):
     """An estimator of the shear as a ratio of sums over sources.
 
     The numbers that are kept for a source are computed from its facet (:meth:`statistic`); these and the table of
-    shapes give the terms of the two sums (:meth:`terms`). A subclass should be a frozen dataclass. Its fields
-    ``population``, ``fits_population``, ``position_sigma``, ``wrapped`` and ``seed``, if it has them, are set by the
-    options of the commands.
+    shapes give the terms of the numerator and the denominator of that ratio (:meth:`terms`). A subclass should be a
+    frozen dataclass. Its fields ``population``, ``fits_population``, ``position_sigma``, ``wrapped`` and ``seed``, if
+    it has them, are set by the options of the commands.
 
     Attributes
     ----------
@@ -31,9 +31,9 @@ class Estimator(ABC):
     shape_columns
         Columns of the table of shapes that the terms need.
     is_expanded
-        Whether the terms are an expansion about a shear, so that the ratio is iterated.
+        Whether the terms are expanded about a trial shear, in which case the estimate is iterated.
     remark
-        Sentence for the terminal that a user must know about every estimate; empty if there is none.
+        Caveat that the command line shows with every estimate; empty if there is none.
     """
 
     name: ClassVar[str]

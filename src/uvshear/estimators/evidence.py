@@ -1,6 +1,6 @@
 r"""The probability of a galaxy's data given the shear, its gradient and its curvature.
 
-Each galaxy has a likelihood L over (e, ln alpha), marginalised over position and flux. Galaxies behind a shear g are
+Each galaxy has a likelihood L over (e, ln alpha), marginalised over position and flux. Galaxies with a shear g are
 galaxies of the unlensed population, mapped by the lens. With
 
 .. math::
@@ -168,7 +168,7 @@ class _Surface:
         self.reach = _REACH * self.sigma
 
     def at(self, unlensed: Complex[Array, " node"], g: complex) -> Float[Array, " node"]:
-        """Evaluate it at the ellipticities of galaxies with these unlensed ellipticities behind a shear."""
+        """Evaluate it at the ellipticities that a shear gives galaxies with these unlensed ellipticities."""
         value, slope, bend = self.parts(unlensed, g)
         e = _lensed(unlensed, g)
         further = _log_stretch(e, g) - _log_stretch(e, self._about)

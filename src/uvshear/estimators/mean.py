@@ -31,7 +31,7 @@ class Mean(Estimator):
     shape_columns = ("e1", "e2", "weight")
     remark = (
         "noise biases the mean of ellipticities: the shear is about 10 per cent too small for galaxies"
-        " with signal-to-noise ratios of 10 and more; `--estimator moments` and `--estimator bayesian`"
+        " with signal-to-noise ratios of 10 or more; `--estimator moments` and `--estimator bayesian`"
         " have no such bias"
     )
 
@@ -43,5 +43,5 @@ class Mean(Estimator):
 
     @property
     def uncertainty(self) -> Uncertainty:
-        """A bootstrap of a thousand samples, as in the paper."""
+        """A bootstrap of a thousand samples, as in Rivi & Miller 2018."""
         return Bootstrap(seed=self.seed)

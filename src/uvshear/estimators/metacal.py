@@ -1,4 +1,4 @@
-"""Metacalibration: an estimator behind a round beam, whose response is measured by shearing the data."""
+"""Metacalibration: an estimator applied with a round PSF, whose response is measured by shearing the data."""
 
 import math
 from collections.abc import Callable
@@ -29,15 +29,15 @@ _Measure: TypeAlias = Callable[[Facet], Float[Array, " 2"] | None]
 
 @dataclass(frozen=True)
 class Metacal(Estimator):
-    """Terms of a wrapped estimator behind a round beam, with responses from differences between sheared data.
+    """Terms of a wrapped estimator with a round PSF, with responses from differences between sheared data.
 
-    The response is that at zero shear, so that the ratio is wrong by the third order in the shear: for moments m =
-    0.002 at a shear of 0.03.
+    The response is that at zero shear, which leaves an error of third order in the shear: with ``Moments`` wrapped,
+    m = 0.002 at a shear of 0.03.
 
     Parameters
     ----------
     wrapped
-        Estimator that is applied behind the round beam; the mean of ellipticities unless given.
+        Estimator that is applied with the round PSF; the mean of ellipticities unless given.
     seed
         Seed of the noise that is added to the data.
     """
@@ -48,16 +48,20 @@ class Metacal(Estimator):
 
     name = "metacal"
     columns: ClassVar = {
-        "mc1": Column("first number of the wrapped estimator behind a round beam: weighted e1"),
-        "mc2": Column("second number of the wrapped estimator behind a round beam: weighted e2"),
-        "mc_r11": Column("derivative of mc1 by the first component of the shear"),
-        "mc_r12": Column("derivative of mc1 by the second component of the shear"),
-        "mc_r21": Column("derivative of mc2 by the first component of the shear"),
-        "mc_r22": Column("derivative of mc2 by the second component of the shear"),
+        "mc1": Column(
+            "first number of the wrapped estimator with a round PSF, such as weighted e1"
+        ),
+        "mc2": Column(
+            "second number of the wrapped estimator with a round PSF, such as weighted e2"
+        ),
+        "mc_r11": Column("derivative of mc1 with respect to the first component of the shear"),
+        "mc_r12": Column("derivative of mc1 with respect to the second component of the shear"),
+        "mc_r21": Column("derivative of mc2 with respect to the first component of the shear"),
+        "mc_r22": Column("derivative of mc2 with respect to the second component of the shear"),
     }
 
     def statistic(self, source: SourceFacet) -> Kept | None:
-        """Measure the source behind the round beam, once unsheared and four times with small shears."""
+        """Measure the source with the round PSF, once unsheared and four times with small shears."""
         noise = source.draw_noise(self.seed)
         longest = min(source.cells.longest, _LONGEST)
         is_near = np.hypot(*source.facet.uv.T) <= longest
@@ -90,7 +94,7 @@ class Metacal(Estimator):
 
     @property
     def is_learning(self) -> bool:
-        """Whether the wrapped estimator learns."""
+        """Whether the wrapped estimator is yet to fit its population."""
         return self.wrapped.is_learning
 
     @property
@@ -114,7 +118,7 @@ def _differences(
     total: float,
     measure: _Measure,
 ) -> tuple[Float[Array, " 2"], Float[Array, "2 2"]] | None:
-    """Return the value of a galaxy and its derivatives by the shear; None if no measurement of it succeeded.
+    """Return the value of a galaxy and its derivatives with respect to the shear; None if every measurement failed.
 
     A shear may make a measurement fail. Such a measurement counts as zeros: its failure is part of the response.
     """
@@ -139,9 +143,9 @@ class _RoundBeam:
     total
         Sum of the power of the facet for which it was made [Jy^-2].
     metacalibration
-        Makes the facets behind the round beam, with and without a shear.
+        Makes the facets with the round PSF, with and without a shear.
     cells
-        Cells of the facets behind the round beam.
+        Cells of the facets with the round PSF.
     """
 
     total: float

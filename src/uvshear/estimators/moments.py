@@ -30,7 +30,7 @@ _Beam = tuple[int, float, tuple[float, ...]]
 class Moments(Estimator):
     """Moments of the visibility function about the catalogue's position.
 
-    They are linear in the data, so that they have no noise bias, and they depend neither on a profile nor on a prior
+    They are linear in the data and therefore have no noise bias, and they depend neither on a profile nor on a prior
     (``shapes.moments`` has the mathematics).
 
     Parameters
@@ -49,10 +49,14 @@ class Moments(Estimator):
         "m1": Column("moment of u^2 - v^2 with weight exp(-k^2/2s^2), s = 15000 wavelengths", "Jy"),
         "m2": Column("moment of 2uv", "Jy"),
         "m_size": Column("moment of u^2 + v^2", "Jy"),
-        "r11": Column("derivative of m1 by the first component of the shear", "Jy"),
-        "r12": Column("derivative of m1 by the second component, and of m2 by the first", "Jy"),
-        "r22": Column("derivative of m2 by the second component of the shear", "Jy"),
-        "r_third": Column("coefficient of the third order of m1 and m2 in the shear", "Jy"),
+        "r11": Column("derivative of m1 with respect to the first component of the shear", "Jy"),
+        "r12": Column(
+            "derivative of m1 with respect to the second component, and of m2 with respect to the"
+            " first",
+            "Jy",
+        ),
+        "r22": Column("derivative of m2 with respect to the second component of the shear", "Jy"),
+        "r_third": Column("coefficient of the third-order term in the shear, for m1 and m2", "Jy"),
         "m1_var": Column("variance of m1 due to noise", "Jy2"),
         "m2_var": Column("variance of m2 due to noise", "Jy2"),
         "m12_cov": Column("covariance of m1 and m2 due to noise", "Jy2"),

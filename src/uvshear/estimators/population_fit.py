@@ -135,7 +135,8 @@ def fit_population(
         if is_there:
             return FittedPopulation(moved(start, theta), covariance)
     raise InputError(
-        f"no population was found in {_ROUNDS} steps: the galaxies are too few, or too unlike the first guess"
+        f"the fit of the population did not converge in {_ROUNDS} steps: the galaxies are too few, or differ too"
+        " much from the first guess"
     )
 
 

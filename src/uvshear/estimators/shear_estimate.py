@@ -9,6 +9,41 @@ SKY: Final = "sky"
 
 
 @dataclass(frozen=True)
+class ShearConditions:
+    """What the bias of a shear depends on: the estimator with its assumptions, the selection, and the facets.
+
+    Parameters
+    ----------
+    estimator
+        Name of the estimator.
+    assumed
+        Assumptions of the estimator, as names and values for a JSON file (``Estimator.record``).
+    snr_min
+        Signal-to-noise ratio below which sources are left out.
+    flux_min
+        Catalogue's flux below which sources are left out [Jy].
+    averages_cells
+        Whether the facets are the paper's, which average in uv cells.
+    """
+
+    estimator: str
+    assumed: Mapping[str, object] = field(default_factory=dict)
+    snr_min: float = 0.0
+    flux_min: float = 0.0
+    averages_cells: bool = False
+
+    @property
+    def prior(self) -> str:
+        """Origin of the population that the estimator assumes; ``paper`` where it assumes none."""
+        return str(self.assumed.get("prior", "paper"))
+
+    @property
+    def wraps(self) -> str:
+        """Name of the estimator that this one wraps; ``none`` if it wraps none."""
+        return str(self.assumed.get("wraps", "none"))
+
+
+@dataclass(frozen=True)
 class ShearEstimate:
     """Reduced shear with its standard errors.
 
@@ -26,6 +61,13 @@ class ShearEstimate:
         Shear of the sources in each bin of the catalogue's flux, by the name of the bin.
     assumed
         Assumptions of the estimator, as names and values for a JSON file.
+    seed
+        Seed of the random numbers of the estimator; None if it uses none.
+    conditions
+        Estimator, cuts and facets; None for the shear of a sample of unknown selection, and for bins.
+    correction
+        Name of the bias that has been removed: its file, or "the bias" if it was given as an object; None if none has
+        been removed.
     """
 
     g1: float
@@ -37,6 +79,9 @@ class ShearEstimate:
     frame: str = SKY
     bins: Mapping[str, "ShearEstimate"] = field(default_factory=dict, repr=False)
     assumed: Mapping[str, object] = field(default_factory=dict, repr=False)
+    seed: int | None = field(default=None, repr=False)
+    conditions: ShearConditions | None = field(default=None, repr=False)
+    correction: str | None = field(default=None, repr=False)
 
     @property
     def shear(self) -> complex:

@@ -13,7 +13,7 @@ from uvshear.typing import Array, Bool, Complex, Float, Int
 class Terms:
     r"""Two numbers of each source, and their response to a shear.
 
-    With v_i the numbers and R_i their derivatives by the shear,
+    With v_i the numbers and R_i their derivatives with respect to the shear,
 
     .. math:: g = g_0 + \Big(\sum_i R_i\Big)^{-1} \sum_i v_i,
 

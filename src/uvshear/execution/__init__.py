@@ -1,4 +1,4 @@
-"""The one place for parallel work: besides the command line, no other room deals with pools or numbers of threads.
+"""The one place for parallel work: besides the command line, nothing else deals with pools or numbers of threads.
 
 An ``Executor`` runs tasks and gives their results in order. ``Serial``, ``Threads`` and ``Processes`` are executors;
 another one needs the methods of ``executor.Executor`` and nothing else. Functions with parallel work take an executor

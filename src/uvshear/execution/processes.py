@@ -1,4 +1,4 @@
-"""Tasks in parallel processes, for work that holds Python's global lock."""
+"""Tasks in parallel processes, for work that holds Python's global interpreter lock."""
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor

@@ -12,7 +12,7 @@ from uvshear.execution.ordered import ordered_results
 
 @dataclass(frozen=True)
 class Threads(Executor):
-    """Runs tasks in ``count`` threads, which share memory and, outside compiled code, Python's global lock."""
+    """Runs tasks in ``count`` threads, which share memory and, outside compiled code, the interpreter's lock."""
 
     count: int
 

@@ -23,16 +23,17 @@ class Model:
     profile
         Brightness profile of the galaxies.
     size
-        Source of the prior on the scale length.
+        Model that gives the prior on the scale length.
     ellipticity
         Prior on the ellipticity for the posterior mean; flat over abs(e) < 0.95 unless given.
     population
         Distribution of intrinsic ellipticities, for the weights of the shapes.
     position_radius
-        Radius of the uniform prior on the position [rad]; None stands for one width of the peak of the correlation.
+        Radius of the uniform prior on the position [rad]; None stands for the standard
+        deviation of the peak in the cross-correlation of the data with a round galaxy of median size.
     primary_beam
-        Primary beam of the dishes (``interferometer.primary_beam``), with which fluxes are intrinsic; with None they
-        are apparent fluxes.
+        Primary beam of the dishes (``interferometer.primary_beam``). If it is given, the catalogue's fluxes are
+        intrinsic; with None they are apparent, that is, attenuated by the beam.
     smears
         Whether the models of sources are smeared by the averaging over channels and integrations, each source according
         to its position.

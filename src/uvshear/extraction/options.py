@@ -27,7 +27,7 @@ class Method:
         Baselines that are used for the shapes.
     weightings
         Weightings that are applied to the natural weights one after the other (``interferometer.weighting``), which
-        costs information. The errors of e stay right for galaxies of every size, those of fluxes do not
+        costs information. Errors of e remain correct for galaxies of every size; errors of fluxes do not
         (``extraction.weighted_shapes``).
     field_radius
         Radius of the field about the phase centre [rad]; sources outside it are flagged and not measured.
@@ -64,13 +64,13 @@ class MeasurementOptions:
         kept = [statistic for statistic in self.keep if statistic.columns]
         if kept and self.method.weightings:
             raise InputError(
-                "statistics for estimators of the shear (--keep) assume the noise of natural weights;"
+                "statistics for estimators of the shear (--keep, keep=) assume the noise of natural weights;"
                 " another weighting cannot be combined with them"
             )
         if kept and not self.method.extraction.keeps_statistics:
             raise InputError(
-                f"{type(self.method.extraction).__name__} keeps no statistics for estimators of the shear (--keep);"
-                " ConvergedExtraction does"
+                f"{type(self.method.extraction).__name__} keeps no statistics for estimators of the shear (--keep,"
+                " keep=); ConvergedExtraction does"
             )
 
     @property

@@ -17,7 +17,7 @@ this file."""
 
 
 class EllipticityPrior(ABC):
-    r"""Isotropic prior of the complex ellipticity within the disc abs(e) < ``maximum``.
+    r"""Isotropic prior on the complex ellipticity within the disc abs(e) < ``maximum``.
 
     A subclass defines ``maximum`` and :meth:`relative_density`. Its normalisation is found numerically, and the density
     per area of the plane of e is

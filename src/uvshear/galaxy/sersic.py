@@ -24,7 +24,9 @@ _KNOTS, _NODES = 500, 10_000
 
 @dataclass(frozen=True)
 class Sersic(Profile):
-    r"""Profile with brightness proportional to exp(-b (r/r_h)^(1/n)), with r_h of a disc of scale length alpha.
+    r"""Profile with brightness proportional to exp(-b (r/r_h)^(1/n)).
+
+    The half-light radius r_h is that of an exponential disc of scale length alpha.
 
     Parameters
     ----------

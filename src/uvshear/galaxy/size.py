@@ -14,7 +14,7 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class SizePrior:
-    r"""Lognormal prior of scale lengths, one element for each source.
+    r"""Lognormal prior on the scale length, one element for each source.
 
     .. math::
         p(\alpha) = \frac{1}{\sqrt{2\pi}\,\sigma\,\alpha}
@@ -50,7 +50,7 @@ class SizePrior:
 
 
 class SizeModel(ABC):
-    """Source of the prior of the scale lengths."""
+    """Model that gives the prior on the scale lengths."""
 
     @abstractmethod
     def prior(
@@ -88,7 +88,7 @@ class CatalogueSize(SizeModel):
 
 @dataclass(frozen=True)
 class SizeFluxRelation(SizeModel):
-    r"""Median scale length against flux density at 1.4 GHz, with lognormal scatter.
+    r"""Median scale length as a function of flux density at 1.4 GHz, with lognormal scatter.
 
     .. math:: \ln[\alpha_\mathrm{med} / \mathrm{arcsec}] = -0.93 + 0.33 \ln[S / \mu\mathrm{Jy}]
 

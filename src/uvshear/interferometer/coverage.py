@@ -31,8 +31,8 @@ class Track:
     phase_centre
         Direction that the array follows.
     hour_angles
-        Ranges (start, stop) of hour angle at the array's longitude [rad], in any order, without overlap. Each holds as
-        many whole integrations as fit, but at least one, centred on its middle.
+        Ranges (start, stop) of hour angle at the array's longitude [rad], in any order, without overlap. Each is
+        filled with as many whole integrations as fit, but at least one, placed symmetrically about its middle.
     integration
         Length of a sample [s].
     elevation_limit
@@ -72,7 +72,7 @@ class Track:
         integration: float,
         elevation_limit: float | None = None,
     ) -> Self:
-        """Take ranges in seconds of clock time from transit: 8 h hold exactly 480 samples of 60 s."""
+        """Take ranges in seconds of clock time from transit: a range of 8 h contains exactly 480 samples of 60 s."""
         hour_angles = tuple(
             (start * EARTH_ROTATION, stop * EARTH_ROTATION) for start, stop in ranges
         )
@@ -142,7 +142,7 @@ def synthesise(layout: ArrayLayout, track: Track) -> Coverage:
 
     Notes
     -----
-    ----- The phase centre's ICRS coordinates are used as the apparent coordinates. The samples are placed at the first
+    The phase centre's ICRS coordinates are used as the apparent coordinates. The samples are placed at the first
     transit after J2000, where this is correct to 5e-5 rad (nutation, aberration, UT1 - UTC).
 
     References
@@ -234,9 +234,8 @@ def _samples_above_limit(layout: ArrayLayout, track: Track) -> Float[Array, " sa
             else "choose another declination or a lower limit"
         )
         raise InputError(
-            f"declination {math.degrees(track.phase_centre.dec):g} deg seen from {layout.name} is"
-            f" never above the elevation limit of {limit:g} deg in these hour angles (highest:"
-            f" {math.degrees(heights.max()):.1f} deg; at transit:"
-            f" {math.degrees(culmination):.1f} deg); {advice}"
+            f"a source at declination {math.degrees(track.phase_centre.dec):g} deg never rises above the elevation"
+            f" limit of {limit:g} deg at {layout.name} within these hour angles (highest:"
+            f" {math.degrees(heights.max()):.1f} deg; at transit: {math.degrees(culmination):.1f} deg); {advice}"
         )
     return hour_angle[above]

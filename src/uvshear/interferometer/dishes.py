@@ -62,7 +62,7 @@ def _pointing(origin: Origin) -> tuple[float, float]:
     if n[0] <= 0:
         raise InputError(
             f"{origin.name}: the dishes pointed more than 90 degrees from the phase centre;"
-            " a measurement without a primary beam (--primary-beam none) is possible"
+            " measure without a primary beam (--primary-beam none, primary_beam=None)"
         )
     return float(l[0]), float(m[0])
 
@@ -70,7 +70,7 @@ def _pointing(origin: Origin) -> tuple[float, float]:
 def _with_dishes(origin: Origin) -> HasDishes:
     if not isinstance(origin.observation, HasDishes):
         raise InputError(
-            f"{origin.name}: its format does not describe the dishes, which a primary beam needs;"
-            " a measurement without a primary beam (--primary-beam none) is possible"
+            f"{origin.name}: its format does not give the diameters and the pointing of the dishes, which a primary"
+            " beam needs; measure without one (--primary-beam none, primary_beam=None)"
         )
     return origin.observation

@@ -46,7 +46,7 @@ class RadiometerNoise(Noise):
 @final
 @dataclass(frozen=True)
 class CorrelationNoise(RadiometerNoise):
-    """Noise whose :func:`radiometer_sigma` applies to each correlation, as the radiometer equation means it.
+    """Noise whose :func:`radiometer_sigma` applies to each correlation, as it does in the radiometer equation.
 
     Stokes I then has sigma / sqrt(2), and signal-to-noise ratios are higher by sqrt(2) than with :class:`StokesINoise`.
     """

@@ -119,8 +119,8 @@ def scaled_to_its_noise(observation: Observation) -> ScaledObservation:
     ratio = noise_over_weights(observation)
     if not ratio:
         raise InputError(
-            f"{origin_of(observation).name}: --noise data: the noise cannot be estimated from neighbouring samples"
-            " (there are too few of them, or they have no noise); --noise weights is needed"
+            f"{origin_of(observation).name}: the noise cannot be estimated from neighbouring samples (there are too few"
+            " of them, or they have no noise); use the noise of the weights (--noise weights)"
         )
     return ScaledObservation(observation, ratio)
 

@@ -64,7 +64,8 @@ class PrimaryBeam(Attenuation):
             self.width
         ):
             raise InputError(
-                f"the dishes differ, and some samples have antennas other than 0 to {len(self.width) - 1}"
+                f"the primary beam has widths for antennas 0 to {len(self.width) - 1}, but the data contain other"
+                " antennas"
             )
         return self.voltage(scaled / self.width[first]) * self.voltage(scaled / self.width[second])
 
@@ -88,7 +89,7 @@ class AiryBeam(PrimaryBeam):
 
 @dataclass(frozen=True)
 class CosineCubedBeam(PrimaryBeam):
-    """Power beam cos^3, zero beyond its first zero: a customary fit to the main lobe of tapered dishes."""
+    """Power beam cos^3, zero beyond its first zero: an approximation to the main lobe of tapered dishes."""
 
     @classmethod
     def from_diameters(
@@ -105,7 +106,7 @@ class CosineCubedBeam(PrimaryBeam):
 
 @dataclass(frozen=True)
 class CosineTaperBeam(PrimaryBeam):
-    """Beam of dishes with a cosine-squared taper: MeerKAT's in Stokes I (Mauch et al. 2020, ApJ 888, 61)."""
+    """Beam of dishes with a cosine-tapered field, as MeerKAT's in Stokes I (Mauch et al. 2020, ApJ 888, 61)."""
 
     @classmethod
     def meerkat(cls, pointing: tuple[float, float] = (0.0, 0.0)) -> Self:
@@ -124,7 +125,8 @@ def _width_of_disc(diameters: Float[Array, " antenna"]) -> Float[Array, " antenn
     unknown = ~(np.asarray(diameters) > 0)
     if np.any(unknown):
         raise InputError(
-            f"the diameter of the dish of antenna {int(np.argmax(unknown))} is not given, and the primary beam"
-            " depends on it; the beam 'meerkat' does not depend on diameters"
+            f"the diameter of the dish of antenna {int(np.argmax(unknown))} is not known, and this primary beam"
+            " needs it; fill in DISH_DIAMETER of the ANTENNA table (or the file of the layout), or measure without"
+            " a primary beam"
         )
     return _UNIFORM_WIDTH * SPEED_OF_LIGHT / diameters

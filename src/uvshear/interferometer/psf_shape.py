@@ -43,7 +43,7 @@ class PsfShape:
 def measure_psf(
     image: Float[Array, "l m"], pixel: float, weight_sigma: float = WEIGHT_SIGMA
 ) -> PsfShape:
-    r"""Measure quadrupole moments under a Gaussian weight of the PSF's own ellipticity.
+    r"""Measure quadrupole moments with a Gaussian weight that has the ellipticity of the PSF itself.
 
     .. math::
         Q_{ij} &= \frac{\sum I W x_i x_j}{\sum I W},\quad
@@ -84,8 +84,8 @@ def measure_psf(
         determinant = q_ll * q_mm - q_lm**2
         if not (mass > 0 and q_ll > 0 and determinant > 0):
             raise InputError(
-                f"the PSF has no second moments under a weight of {weight_sigma / ARCSEC:g} arcsec;"
-                " give a narrower weight"
+                "the second moments of the PSF are not positive with a Gaussian weight of sigma"
+                f" {weight_sigma / ARCSEC:g} arcsec; use a narrower weight"
             )
         root = math.sqrt(determinant)
         adapted = weight_sigma**2 / root * np.array([[q_ll, q_lm], [q_lm, q_mm]])
@@ -134,8 +134,9 @@ def fit_main_lobe(image: Float[Array, "l m"], pixel: float) -> MainLobe:
         is_there = form[0] > 0 and form[0] * form[2] > (1 + 1e-9) * form[1] ** 2
     if not is_there:
         raise InputError(
-            f"the main lobe of the PSF does not fit into an image of {len(image)} pixels of {pixel / ARCSEC:g} arcsec;"
-            " other pixels or a wider weight are needed"
+            f"the main lobe of the PSF is not resolved by an image {len(image)} pixels across with pixels of"
+            f" {pixel / ARCSEC:g} arcsec, or does not fit into it; change --pixel-arcsec, or enlarge the image by a"
+            " larger --weight-sigma-arcsec"
         )
     covariance = np.linalg.inv(2 * form[[0, 1, 1, 2]].reshape(2, 2)) * pixel**2
     q_ll, q_lm, q_mm = covariance[[0, 0, 1], [0, 1, 1]].tolist()

@@ -11,7 +11,7 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class Channels:
-    """Channels that the rows of a block share.
+    """Frequency channels of one spectral window.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ class StokesI:
     visibilities
         Stokes I [Jy]; 0 where the weight is 0.
     weights
-        1/sigma^2, with sigma the deviation of one real component [Jy^-2]; 0 where flagged or unusable.
+        1/sigma^2, with sigma the standard deviation of one real component [Jy^-2]; 0 where flagged or unusable.
     non_finite
         Number of unflagged samples with a NaN or an infinity in the data or weights of a hand.
     non_positive
@@ -58,7 +58,7 @@ def parallel_hands(correlation_types: Sequence[int]) -> tuple[int, ...]:
             return present
     raise InputError(
         f"correlation types {types} do not give Stokes I;"
-        " XX and YY (9, 12), RR and LL (5, 8) or I (1) are needed"
+        " I (1), or at least one of XX and YY (9, 12) or of RR and LL (5, 8), is needed"
     )
 
 

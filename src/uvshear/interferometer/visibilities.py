@@ -48,7 +48,7 @@ class Visibilities:
     stokes_i
         DATA = sum S exp(+2 pi i (u l + v m + w (n-1))) [Jy]. Finite wherever the weight is positive.
     weights
-        1/sigma^2, with sigma the deviation of one real component [Jy^-2]; 0 marks flagged samples.
+        1/sigma^2, with sigma the standard deviation of one real component [Jy^-2]; 0 marks flagged samples.
     width
         Band that each channel was averaged over [Hz]; None where nothing was averaged.
     integrations

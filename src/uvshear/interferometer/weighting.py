@@ -100,7 +100,7 @@ def weighted(observation: Observation, weightings: Sequence[Weighting]) -> Weigh
 
 @dataclass(frozen=True)
 class GaussianTaper(Weighting):
-    """A Gaussian over the uv plane, whose Fourier transform has this full width at half maximum [rad]."""
+    """A Gaussian taper of the uv plane; ``fwhm`` is the full width at half maximum of its Fourier transform [rad]."""
 
     fwhm: float
 
@@ -272,8 +272,8 @@ def _density(observation: Observation, field: float) -> _Density:
     cells = (2 * half + 1) * (half + 1)
     if cells > MOST_CELLS:
         raise InputError(
-            f"--weight-field-arcmin {math.degrees(field) * 60:g}: needs a grid of {cells:.2g} cells for baselines of"
-            f" {longest:.3g} wavelengths, which is too large; a smaller field is needed"
+            f"--weight-field-arcmin {math.degrees(field) * 60:g} (field=): needs a grid of {cells:.2g} cells for"
+            f" baselines of {longest:.3g} wavelengths, which is too large; a smaller field is needed"
         )
     empty = _Density(field, half, np.zeros(cells))
     density: _Density
@@ -293,8 +293,8 @@ class RoundPsf(Weighting):
         T = \max(0, 1 - \lambda_1 \cos 2\phi - \lambda_2 \sin 2\phi),\quad
         \sum w T e^{2 i \phi} = 0
 
-    the minimum of :math:`\sum w (T - 1)^2` over T >= 0. A ring whose baselines all lie in one half of the position
-    angles keeps no weight.
+    the minimum of :math:`\sum w (T - 1)^2` over T >= 0. A ring whose baselines all lie within 90 degrees of
+    position angle gets no weight, because no factors of zero or more can remove its quadrupole.
     """
 
     def factors_for(self, observation: WeightedObservation) -> Factors:

@@ -100,7 +100,9 @@ class Catalogue:
         if self.ra is not None and self.dec is not None:
             return direction_cosines(phase_centre, self.ra, self.dec)
         if self.l is None or self.m is None:
-            raise InputError("a catalogue has neither (ra, dec) nor (l, m)")
+            raise InputError(
+                "the catalogue has neither (ra, dec) nor (l, m); one of these pairs is needed"
+            )
         return self.l, self.m, np.sqrt(1 - self.l**2 - self.m**2)
 
     def galaxies(self, phase_centre: PhaseCentre) -> Galaxies:

@@ -104,22 +104,25 @@ class Columns:
                     found = units.Unit(given)
                 except ValueError as error:
                     raise InputError(
-                        f"'{given}' is not a unit; '{column}' needs one such as Jy, mJy or uJy"
+                        f"--flux-unit {given} (flux_unit=): is not a unit; column '{column}' needs one such as Jy,"
+                        " mJy or uJy"
                     ) from error
             elif needs_unit:
                 raise InputError(
                     f"{self.name}: column '{column}' has no unit; give it one in the file"
-                    " (Jy, mJy, uJy), or --flux-unit for a format without units"
+                    " (Jy, mJy, uJy), or --flux-unit (flux_unit=) for a format without units"
                 )
             else:
                 return float((assumed or unit).to(unit))
         try:
             return float(units.Unit(found).to(unit))
         except (units.UnitConversionError, ValueError, TypeError) as error:
-            raise InputError(
-                f"{self.name}: column '{column}' is in '{found}', which is not a unit of"
-                f" {'a pure number' if unit == units.dimensionless_unscaled else unit}"
-            ) from error
+            needed = (
+                "but it must be dimensionless"
+                if unit == units.dimensionless_unscaled
+                else f"which cannot be converted to {unit}"
+            )
+            raise InputError(f"{self.name}: column '{column}' is in '{found}', {needed}") from error
 
     def require(
         self,
@@ -132,8 +135,7 @@ class Columns:
         if not np.all(good):
             row = int(np.argmin(good))
             raise InputError(
-                f"{self.name}: column '{column}', id {self.identifier[row]}:"
-                f" is {values[row]:.4g}; {needed}"
+                f"{self.name}: column '{column}' is {values[row]:.4g} for id {self.identifier[row]}; {needed}"
             )
 
     def _identifiers(self) -> Shaped[Array, " source"]:

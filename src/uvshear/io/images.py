@@ -97,8 +97,8 @@ def _header(
         header[name.upper()] = text
     for line in (
         "Natural weights, divided by WSUM: a point source of S Jy peaks at S.",
-        "RESIDUAL: all models subtracted from the visibilities. DIRTY: none.",
-        "Baselines beyond UVMAX, which the pixels cannot carry, are left out.",
+        "RESIDUAL: all models subtracted from the visibilities. DIRTY: nothing subtracted.",
+        "Baselines beyond UVMAX, which the pixels are too coarse to represent, are left out.",
     ):
         header["COMMENT"] = line
     return header

@@ -119,7 +119,7 @@ class MeasurementSet:
                 total += seen.counts
             if len(seen):
                 yield seen
-        _check_usable(Path(self.path), total)
+        _check_usable(Path(self.path), total, self.scans)
 
     def unchecked_chunks(self) -> Iterator[Visibilities]:
         """Read everything once, including chunks without a cross-correlation and sets without a usable sample."""
@@ -151,8 +151,10 @@ class MeasurementSet:
             found.append("WEIGHT has no value above zero; the weights are 1/SIGMA^2")
         if self.uvw_agrees() is False:
             found.append(
-                "UVW is X(ANTENNA2) - X(ANTENNA1), judging by the antennas' positions; it is used as it is stored,"
-                " which mirrors the sky if the visibilities follow the opposite sign (--conjugate reverses it)"
+                "judging by the positions of the antennas, UVW as it is read is X(ANTENNA2) - X(ANTENNA1), the"
+                " opposite of the usual sign; if the visibilities have the usual phase, sources appear rotated by"
+                f" 180 degrees about the phase centre ({'leave out' if self.conjugates else 'give'} --conjugate to"
+                " reverse the sign)"
             )
         return tuple(found)
 
@@ -314,12 +316,16 @@ def _combine(
     )
 
 
-def _check_usable(path: Path, counts: SampleCounts) -> None:
+def _check_usable(path: Path, counts: SampleCounts, scans: tuple[int, ...] | None) -> None:
     if counts.usable:
         return
     if not counts.rows:
+        chosen = (
+            "the field" if scans is None else f"scans {', '.join(map(str, scans))} of the field"
+        )
+        what = "only autocorrelations" if counts.autocorrelations else "no rows"
         raise InputError(
-            f"{path}: holds only autocorrelations; baselines between antennas are needed"
+            f"{path}: there are {what} in {chosen}; baselines between antennas are needed"
         )
     if counts.flagged == counts.samples:
         raise InputError(f"{path}: all visibilities are flagged; there is nothing to measure")

@@ -111,7 +111,7 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
         _check_columns(path, main, column)
         if main.nrows() == 0:
             raise InputError(f"{path}: has no rows; an observation with visibilities is needed")
-        with casacore_errors(path, "a column"):
+        with casacore_errors(path, "a column of the main table or of a subtable"):
             field_id, is_only_field = _choose_field(path, main, field)
             return Header(
                 rows=main.nrows(),
@@ -143,7 +143,7 @@ def check_column(path: Path, main: tables.table, column: str) -> None:
     if column not in main.colnames():
         like = visibility_columns(main)
         raise InputError(
-            f"{path}: no column {column}; those with visibilities: {', '.join(like) or 'none'}"
+            f"{path}: no column {column}; the columns that hold visibilities are {', '.join(like) or 'none'}"
         )
     if not _is_complex_column(main, column):
         raise InputError(
@@ -155,7 +155,8 @@ def check_subtracted(path: Path, column: str, subtracted: str) -> None:
     """Refuse a model that cannot be subtracted from a column."""
     if subtracted == column:
         raise InputError(
-            f"{path}: column {column} would be subtracted from itself; --subtract names the column of a model"
+            f"{path}: column {column} would be subtracted from itself; --subtract (subtracted=) names the column of"
+            " a model"
         )
     with open_table(path) as main:
         check_column(path, main, subtracted)
@@ -174,8 +175,7 @@ def _check_columns(path: Path, main: tables.table, column: str) -> None:
     missing = [name for name in NEEDED_COLUMNS if name not in present]
     if missing:
         raise InputError(
-            f"{path}: has no column {', '.join(missing)};"
-            " every Measurement Set has it, so that this one is damaged"
+            f"{path}: has no column {', '.join(missing)}, which every Measurement Set must have; this one is damaged"
         )
 
 
@@ -273,9 +273,9 @@ def read_pointing(path: Path, field: int) -> PhaseCentre:
     apart = max(separation(axes[0], axis) for axis in axes)
     if apart > SAME_POINTING:
         raise InputError(
-            f"{path}: REFERENCE_DIR and DELAY_DIR of FIELD are {apart / ARCSEC:.3g} arcsec apart, so that it is not"
-            " known where the dishes pointed; a measurement without a primary beam (--primary-beam none), or a set in"
-            " which the two agree, is needed"
+            f"{path}: REFERENCE_DIR and DELAY_DIR of FIELD are {apart / ARCSEC:.3g} arcsec apart, so it is not known"
+            " where the dishes pointed; make the two agree, or measure without a primary beam (--primary-beam none,"
+            " primary_beam=None)"
         )
     return axes[0]
 

@@ -94,7 +94,9 @@ def _written_whole(target: Path) -> Iterator[Path]:
             )
         )
     except OSError as error:
-        raise InputError(f"{target}: cannot be written here ({error.strerror})") from None
+        raise InputError(
+            f"{target}: a temporary directory cannot be created beside it ({error.strerror})"
+        ) from None
     try:
         with unfinished(directory):
             written = directory / target.name

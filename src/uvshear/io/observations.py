@@ -25,7 +25,7 @@ def open_observation(
     reading
         Options for reading: which visibilities of each file, and how.
     prepared
-        Function applied to the observation of each file before they are joined.
+        Function that is applied to the observation of each file before the observations are joined.
     """
     reading = reading or Reading()
     chosen = [Path(paths)] if isinstance(paths, str | Path) else [Path(path) for path in paths]

@@ -42,7 +42,9 @@ def check_output(path: Path, *, overwrite: bool) -> None:
     """Refuse a target that cannot be written, before anything is computed for it."""
     _check_place(path)
     if os.path.lexists(path) and not overwrite:
-        raise InputError(f"{path}: exists already; give --overwrite or another name")
+        raise InputError(
+            f"{path}: exists already; give --overwrite (overwrite=True) or another name"
+        )
 
 
 def check_file(path: Path, *, overwrite: bool, inputs: Sequence[Path] = ()) -> None:

@@ -6,7 +6,7 @@
      "size": {"intercept": -0.93, "slope": 0.33, "sigma": 0.3136},
      "ellipticity": {"c": 0.2298, "e0": 0.0732, "maximum": 0.804}}
 
-Parameters that are left out have the paper's values. ``PowerLawFlux``, ``SizeFluxRelation`` and
+Parameters that are left out have the values of Rivi & Miller 2018. ``PowerLawFlux``, ``SizeFluxRelation`` and
 ``DiscEllipticityPrior`` define them.
 """
 
@@ -37,9 +37,11 @@ def read_population(path: Path | str) -> UnlensedPopulation:
     path = Path(path)
     record = read_record(path, "a population")
     parts = record.get("population", record)
-    if not isinstance(parts, dict) or (unknown := sorted(set(parts) - set(PARAMETERS))):
-        strange = f"has '{unknown[0]}'" if isinstance(parts, dict) else "has no parts"
-        raise InputError(f"{path}: {strange}; a population has {', '.join(PARAMETERS)}")
+    entries = f"the entries {', '.join(PARAMETERS)}"
+    if not isinstance(parts, dict):
+        raise InputError(f"{path}: the population is not an object with {entries}")
+    if unknown := sorted(set(parts) - set(PARAMETERS)):
+        raise InputError(f"{path}: unknown entry '{unknown[0]}'; a population has {entries}")
     population = UnlensedPopulation()
     for part, values in parts.items():
         given = _values(path, part, values)
@@ -55,19 +57,23 @@ def _values(path: Path, part: str, values: object) -> Mapping[str, float]:
     """Return the parameters of a part of a population by the fields of its class, in SI."""
     fields = PARAMETERS[part]
     if not isinstance(values, dict):
-        raise InputError(f"{path}: '{part}' is not an object with {', '.join(fields)}")
+        raise InputError(
+            f"{path}: '{part}' is not an object with the parameters {', '.join(fields)}"
+        )
     found = {}
     for name in values:
         if name.removesuffix(_ERROR) not in fields:
-            raise InputError(f"{path}: '{part}' has '{name}'; it has {', '.join(fields)}")
+            raise InputError(
+                f"{path}: unknown parameter '{name}' of '{part}'; its parameters are {', '.join(fields)}"
+            )
         if name.endswith(_ERROR):
             continue
         if (value := finite(values, name)) is None:
-            raise InputError(f"{path}: '{part}' has no number as '{name}'")
+            raise InputError(f"{path}: the parameter '{name}' of '{part}' is not a finite number")
         low, high = _RANGES.get(name, (-math.inf, math.inf))
         if not low <= value <= high:
             raise InputError(
-                f"{path}: '{part}' has {value:g} as '{name}'; it must be between {low:g} and {high:g}"
+                f"{path}: the parameter '{name}' of '{part}' is {value:g}; it must lie between {low:g} and {high:g}"
             )
         found[fields[name]] = value * unit_of(name)
     return found

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Reading:
-    """Options that say which visibilities of a file are read, and how; a reader refuses what its format does not have.
+    """Options that say which visibilities of a file are read, and how.
+
+    A reader raises an error for an option that its format does not support.
 
     Parameters
     ----------
@@ -22,8 +24,8 @@ class Reading:
     subtracted
         Column of a model that is subtracted from the visibilities.
     reader
-        Reader of the format, or its registered name, or ``MODULE:NAME``; the first that recognises the file unless
-        given.
+        Reader of the format, or its registered name, or ``MODULE:NAME``; by default the first reader that recognises
+        the file.
     """
 
     column: str = "DATA"

@@ -11,7 +11,7 @@ from uvshear.errors import InputError
 def read_record(path: Path, what: str) -> dict[str, object]:
     """Read names and values; ``what`` describes the expected file in messages."""
     if not path.exists():
-        raise InputError(f"{path}: no such file")
+        raise InputError(f"{path}: no such file; {what} is needed")
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -30,3 +30,8 @@ def finite(record: Mapping[str, object], name: str) -> float | None:
         return float(value) if math.isfinite(value) else None
     except OverflowError:
         return None
+
+
+def rounded(value: float) -> float:
+    """Return a number in the unit of a file without the rounding errors of the conversion of units."""
+    return float(f"{value:.12g}")

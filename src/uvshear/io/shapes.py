@@ -59,7 +59,7 @@ COLUMNS: Mapping[str, ShapeColumn] = {
     "scale_length": ShapeColumn("posterior mean of the scale length", "arcsec", ARCSEC),
     "scale_length_err": ShapeColumn("standard deviation of the scale length", "arcsec", ARCSEC),
     "flux_fit": ShapeColumn(
-        "fitted flux density, at the frequency of the catalogue", "uJy", MICROJANSKY
+        "fitted flux density at the reference frequency of the catalogue", "uJy", MICROJANSKY
     ),
     "flux_fit_err": ShapeColumn("standard deviation of flux_fit", "uJy", MICROJANSKY),
     "dl": ShapeColumn("fitted minus catalogue position, to the East", "arcsec", ARCSEC),
@@ -153,6 +153,7 @@ def read_shapes(path: Path) -> Table:
                     f"{path}: column '{name}' is in '{table[name].unit}', which cannot be converted to"
                     f" '{expected.unit}'"
                 ) from error
+    phase_centre_of(table, f"{path}:")
     return table
 
 
@@ -185,14 +186,14 @@ def averages_cells(table: Table) -> bool:
     return extraction_record(table).get("averages_cells") is True
 
 
-def phase_centre_of(table: Table) -> PhaseCentre:
-    """Return the phase centre of the axes l and m of a table of shapes."""
+def phase_centre_of(table: Table, name: str = "the table of shapes") -> PhaseCentre:
+    """Return the phase centre of the axes l and m of a table of shapes, which messages call by its name."""
     known = metadata(table)
     try:
         ra, dec = (math.radians(float(str(known[name]))) for name in ("ra0_deg", "dec0_deg"))
     except (KeyError, ValueError) as error:
         raise InputError(
-            "the table of shapes lacks its phase centre (ra0_deg and dec0_deg in its metadata), which is needed to turn"
+            f"{name} lacks its phase centre (ra0_deg and dec0_deg in its metadata), which is needed to turn"
             " ellipticities to local North; a table written by `uvshear measure` has it"
         ) from error
     return PhaseCentre(ra, dec)

@@ -68,7 +68,9 @@ def read_statistics(path: Path, shapes_path: Path, shapes: Table) -> Table:
     table = read_table(path, "file written by `uvshear measure --keep`")
     for name, read in ((path, table), (shapes_path, shapes)):
         if "id" not in read.colnames:
-            raise InputError(f"{name}: has no column 'id'; a table as it was measured is needed")
+            raise InputError(
+                f"{name}: has no column 'id'; a table as `uvshear measure` wrote it is needed"
+            )
     if len(table) != len(shapes):
         raise InputError(
             f"{path}: has {len(table)} rows, but {shapes_path} has {len(shapes)}; the files of one measurement have"

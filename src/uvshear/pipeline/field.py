@@ -67,7 +67,7 @@ def field_of_catalogue(
     sky = replace(sky, flux=np.where(unseen, 0.0, sky.flux))
     if method.uv_range.minimum >= summary.longest:
         raise InputError(
-            f"--uv-min {method.uv_range.minimum:g}: the longest baseline of the observation is"
+            f"--uv-min {method.uv_range.minimum:g} (uv_range=): the longest baseline of the observation is"
             f" {summary.longest:.4g} wavelengths; a lower --uv-min is needed"
         )
     longest = min(method.uv_range.maximum, summary.longest)

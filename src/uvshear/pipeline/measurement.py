@@ -80,11 +80,7 @@ class Measurement:
             )
         kept = ", ".join(self.estimators) or "none (only `mean` can be used)"
         lines.append(f"  statistics kept for: {kept}")
-        told = [
-            f"{name} {value}" for name, value in self.record.items() if not isinstance(value, list)
-        ]
-        if told:
-            lines.append(f"  {', '.join(told)}")
+        lines += [f"  {line}" for line in _course(self.record)]
         return "\n".join(lines)
 
     @property
@@ -155,7 +151,8 @@ class Measurement:
         """
         if self.sky is None:
             raise InputError(
-                "the fitted sky of this measurement is not known: its file is not in the directory of the shapes"
+                "the fitted sky is not available: its file (SHAPES.sky.fits for SHAPES.fits) is not beside the"
+                " table of shapes"
             )
         field = self._field(observation, model, resources)
         centre = field.observation.phase_centre
@@ -191,9 +188,27 @@ class Measurement:
             known = MeasuredField(seen, summarise(seen), Model(), Resources())
         if known is None:
             raise InputError(
-                "this measurement was read from files; the observation is needed for an image of it"
+                "this measurement was read from files, which do not contain the visibilities; pass the observation"
+                " as well"
             )
         return replace(known, model=model or known.model, resources=resources or known.resources)
+
+
+def _course(record: Mapping[str, object]) -> list[str]:
+    """Return lines about the course of an extraction."""
+    facts = {name: value for name, value in record.items() if not isinstance(value, list)}
+    cycles, left, most = (
+        facts.pop(name, None) for name in ("major_cycles", "left_undone", "left_undone_most")
+    )
+    lines = []
+    if left is not None:
+        lines.append(
+            f"{cycles} major cycles; one more would change the models of the sources by {left} times the noise (rms),"
+            f" at most by {most} times"
+        )
+    if facts:
+        lines.append(", ".join(f"{name} {value}" for name, value in facts.items()))
+    return lines
 
 
 def companions(shapes: Path) -> tuple[Path, Path]:

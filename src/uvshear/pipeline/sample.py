@@ -62,7 +62,7 @@ def _kept(measurement: Measurement, estimator: Estimator, name: str) -> Array:
     if table is None or name not in table.colnames:
         raise InputError(
             f"the statistics of the estimator '{estimator.name}' were not kept with the shapes;"
-            f" measure again with --keep {estimator.name}"
+            f' measure again with --keep {estimator.name} (keep="{estimator.name}")'
         )
     column = table[name]
     if column.dtype.kind == "O":

@@ -7,12 +7,13 @@ from typing import TypeAlias
 from astropy.table import Table
 
 from uvshear.errors import InputError
-from uvshear.estimators import ShearEstimate, estimate_sample_shear, estimator_of
-from uvshear.estimators.bias_correction import BiasCorrection
+from uvshear.estimators import Bias, ShearEstimate, estimate_sample_shear, estimator_of
+from uvshear.estimators.bias_removal import check_removable, remove_bias
 from uvshear.estimators.registry import EstimatorLike
+from uvshear.estimators.shear_estimate import ShearConditions
 from uvshear.execution import SERIAL, Executor
-from uvshear.io.bias_records import read_correction
-from uvshear.io.shapes import extraction_record
+from uvshear.io.bias_records import read_bias
+from uvshear.io.shapes import averages_cells, extraction_record
 from uvshear.pipeline.measurement import Measurement, read_measurement
 from uvshear.pipeline.sample import sample_of, selected
 from uvshear.progress import Meter, Progress
@@ -29,7 +30,7 @@ def estimate_shear(
     snr_min: float = 0.0,
     flux_min: float = 0.0,
     where: Array | None = None,
-    correction: BiasCorrection | str | Path | None = None,
+    correction: Bias | str | Path | None = None,
     executor: Executor = SERIAL,
     progress: Progress | None = None,
 ) -> ShearEstimate:
@@ -48,26 +49,43 @@ def estimate_shear(
     where
         Sources to use: a boolean for each row of the shapes.
     correction
-        Simulated bias that is taken out, or the file written by `uvshear bias` that has it.
+        Simulated bias that is removed, or its file. It must come from the same estimator and the same cuts.
 
     Raises
     ------
     InputError
-        The statistics of the estimator were not kept, or fewer than two sources contribute to the shear.
+        The statistics of the estimator were not kept, fewer than two sources contribute to the shear, or the bias does
+        not belong to this shear.
+
+    Warns
+    -----
+    DataWarning
+        The cut ``snr_min`` of the bias was one on the catalogue's flux, whereas that of the shear is one on the fit.
     """
     method = estimator_of(estimator)
-    bias = read_correction(correction) if isinstance(correction, str | Path) else correction
-    if bias is not None and bias.estimator != method.name:
-        raise InputError(
-            f"the bias is that of the estimator '{bias.estimator}', not of '{method.name}'"
-        )
+    bias, name = _bias_of(correction)
     known = as_measurement(measurement)
+    conditions = ShearConditions(
+        method.name, method.record(), snr_min, flux_min, averages_cells(known.shapes)
+    )
+    if bias is not None:
+        check_removable(bias, conditions, name)
     chosen = selected(known.shapes, snr_min=snr_min, flux_min=flux_min, where=where)
     sample = sample_of(known, method).select(chosen)
     found = estimate_sample_shear(method, sample, executor, Meter(progress))
-    if bias is None:
-        return found
-    return replace(bias.applied(found), bins=bias.applied_by_flux(found.bins))
+    found = replace(found, seed=getattr(method, "seed", None), conditions=conditions)
+    return found if bias is None else replace(remove_bias(bias, found), correction=name)
+
+
+def _bias_of(correction: Bias | str | Path | None) -> tuple[Bias | None, str]:
+    """Return a bias and its name in messages."""
+    if correction is None or isinstance(correction, Bias):
+        return correction, "the bias"
+    if isinstance(correction, str | Path):
+        return read_bias(correction), str(correction)
+    raise InputError(
+        f"correction={correction!r}: a Bias or the path of its file is needed, not the type {type(correction).__name__}"
+    )
 
 
 def as_measurement(given: MeasurementLike) -> Measurement:

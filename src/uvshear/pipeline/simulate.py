@@ -33,7 +33,7 @@ def simulate(
     seed: int | None = 1,
     executor: Executor = SERIAL,
 ) -> SimulatedObservation:
-    """Simulate the observation of a catalogue with an array.
+    """Simulate an observation of the sources of a catalogue.
 
     The result is an observation that can be measured directly; ``io.measurement_set_writer`` writes it to a
     Measurement Set.
@@ -52,9 +52,10 @@ def simulate(
         Reduced shear g1 + i g2 of all galaxies, in the frame of the sky (local North, TreeCorr's convention for RA
         and Dec), in addition to the catalogue's own.
     lens
-        Effect of a shear on galaxies: ``shear_galaxies``, or the paper's ``shear_at_fixed_scale_length``.
+        Effect of a shear on galaxies: ``shear_galaxies``, or ``shear_at_fixed_scale_length`` as in Rivi & Miller
+        2018.
     seed
-        Seed of the noise; None adds none and keeps the weights.
+        Seed of the noise; with None no noise is added, but the weights are those of the noise.
     """
     profile = profile or Exponential()
     sources = catalogue_of(catalogue)

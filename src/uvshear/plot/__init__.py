@@ -1,4 +1,7 @@
-"""Pictures; only this room imports matplotlib. Each ``draw_`` function returns a figure, which ``save`` writes."""
+"""Figures: the only part of the package that imports matplotlib.
+
+Each ``draw_`` function returns a figure, which ``save`` writes.
+"""
 
 from uvshear.plot.ellipticities import draw_ellipticities
 from uvshear.plot.figure import save

@@ -11,9 +11,9 @@ from uvshear.plot.figure import BLUE, GREY, ORANGE, new_figure
 from uvshear.typing import Array, Float
 
 EXPLANATION = (
-    "The dashed line has weights $1/s^2$ ($s$: quoted error), most likely those of Rivi & Miller 2018."
+    "The dashed line has weights $1/s^2$ ($s$: quoted error), probably the weights of Rivi & Miller 2018."
     " The other weights give\nfaint galaxies more influence, and their slopes are lower: at a low"
-    " signal-to-noise ratio the posterior mean under a flat prior is pulled towards zero."
+    " signal-to-noise ratio the posterior mean with a flat prior is biased towards zero."
 )
 
 

@@ -11,12 +11,14 @@ from uvshear.typing import Array, Float
 
 
 class FitFlag(Enum):
-    """Outcome of the fit of a source; the value is a sentence, and the lower-case name stands in tables."""
+    """Outcome of the fit of a source; the value is a sentence, and the lower-case name appears in tables."""
 
     OK = "measured"
-    OUTSIDE_FIELD = "the source is farther from the phase centre than the field that was sampled"
+    OUTSIDE_FIELD = "the source is outside the radius of the field, or smearing and the primary beam leave almost"
+    " none of its flux"
     BELOW_HORIZON = "the source is 90 degrees or more from the phase centre"
-    POINT_SOURCE = "the source has no size in the catalogue: it is subtracted, not measured"
+    POINT_SOURCE = "the catalogue lists a point source (scale_length 0 or profile point): it is subtracted, not"
+    " measured"
     NO_DATA = "no visibility within the uv range carries weight"
     NO_PEAK = "the data do not correlate with a galaxy at this position: no positive flux fits"
     UNDETERMINED = "there are too few baselines to determine a position"
@@ -31,7 +33,7 @@ class FitFlag(Enum):
 
     @property
     def word(self) -> str:
-        """The flag as it stands in tables."""
+        """The flag as it appears in tables."""
         return self.name.lower()
 
 
@@ -86,7 +88,7 @@ class ShapeMeasurement:
     offset, offset_err
         Position relative to the centre of the facet, in l and m, and its errors [rad].
     snr
-        Flux over its error at fixed shape, S sqrt(<m, m>).
+        Flux over its error at fixed shape.
     best
         The most likely galaxy; None unless the flag is OK.
     flag

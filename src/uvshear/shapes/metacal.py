@@ -1,4 +1,4 @@
-r"""Metacalibration in the uv plane: a galaxy's data as they would be behind a little more shear.
+r"""Metacalibration in the uv plane: a galaxy's data as they would be with a little more shear.
 
 The visibility function V of the galaxy is found from the data (``shapes.deconvolution``), sheared without change of
 area, V(k) -> V((1 + G) k), and multiplied by the weight exp(-k^2/2 s^2) of a round beam. The result is a facet to which
@@ -30,7 +30,7 @@ STEP = 0.02
 
 @dataclass(frozen=True)
 class ShearedFacets:
-    """Facets of one galaxy behind a round beam, without a shear and with shears of ``STEP``.
+    """Facets of one galaxy with a round PSF, without a shear and with shears of ``STEP``.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def scale_of(uv: Float[Array, "cell 2"], power: Float[Array, " cell"]) -> float:
 
 
 class Metacalibration:
-    """Makes facets behind a round beam from the facets of one set of cells and one beam.
+    """Makes facets with a round PSF from the facets of one set of cells and one beam.
 
     Parameters
     ----------

@@ -107,8 +107,8 @@ class MomentFunctional:
         scatter = 2 * (math.pi * position_sigma * SCALE) ** 2
         if scatter >= MOST_SCATTER:
             raise InputError(
-                f"positions have errors of {position_sigma / ARCSEC:.2g} arcsec; moments can allow for errors up to"
-                f" {math.sqrt(MOST_SCATTER / 2) / math.pi / SCALE / ARCSEC:.2g} arcsec"
+                f"--position-error-arcsec {position_sigma / ARCSEC:.2g} (position_sigma=): the estimator moments can"
+                f" allow for errors of at most {math.sqrt(MOST_SCATTER / 2) / math.pi / SCALE / ARCSEC:.2g} arcsec"
             )
         longest = REACH * SCALE / math.sqrt(1 - 2 * scatter)
         self._cells = np.flatnonzero(np.hypot(*uv.T) <= longest)

@@ -42,7 +42,7 @@ class PosteriorModes:
 
     @classmethod
     def from_lattices(cls, correlator: Correlator, prior: ShapePrior, best: BestFit) -> Self:
-        """Evaluate a coarse lattice of shapes, and the best fit, over the whole prior of the position."""
+        """Evaluate a coarse lattice of shapes, and the best fit, over the whole prior on the position."""
         width = peak_width(correlator, prior)
         sigma = width / best.snr
         # Two standard deviations of the position, but not coarser than the peak of the cross-correlation allows.

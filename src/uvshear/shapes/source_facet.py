@@ -71,7 +71,7 @@ class SourceFacet:
     cells
         Square of pixels whose Fourier transform gives the facet's cells.
     prior
-        Prior of the source's shape.
+        Prior on the source's shape.
     flux
         Flux density in the catalogue [Jy].
     profile

@@ -17,7 +17,7 @@ def shear_galaxies(galaxies: Galaxies, g: complex | Complex[Array, " source"]) -
         e' = \frac{e + g}{1 + g^* e},\quad
         \alpha' = \alpha \sqrt{\frac{1 - |e'|^2}{1 - |e|^2}}
 
-    Positions and fluxes stay: the map is that of a lens of unit magnification.
+    Positions and fluxes are unchanged: the map is that of a lens of unit magnification.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def shear_galaxies(galaxies: Galaxies, g: complex | Complex[Array, " source"]) -
 def shear_at_fixed_scale_length(
     galaxies: Galaxies, g: complex | Complex[Array, " source"]
 ) -> Galaxies:
-    r"""Shear the ellipticities of galaxies and leave their scale lengths, as Rivi & Miller 2018 do.
+    r"""Shear the ellipticities of galaxies but keep their scale lengths, as Rivi & Miller 2018 do.
 
     .. math:: e' = \frac{e + g}{1 + g^* e},\quad \alpha' = \alpha
 
@@ -49,7 +49,7 @@ def shear_at_fixed_scale_length(
 
     Notes
     -----
-    ----- No lens does this: estimators that use the response to a shear have a spurious m of -0.07 to -0.14 on such
+    No lens does this: estimators that use the response to a shear have a spurious m of -0.07 to -0.14 on such
     galaxies. The function serves only to reproduce the paper.
     """
     return replace(galaxies, ellipticity=_sheared(galaxies, g))

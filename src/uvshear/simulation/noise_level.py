@@ -26,7 +26,7 @@ class GalaxyNoise:
     flux
         Flux of a round galaxy at the phase centre, of the median size for its flux [Jy].
     snr
-        Its signal-to-noise ratio S sqrt<m, m> with natural weights.
+        Its signal-to-noise ratio with natural weights: the flux over its error at fixed shape.
     """
 
     flux: float = 10 * MICROJANSKY

@@ -64,8 +64,8 @@ class ConvergedExtraction(Extraction):
     Parameters
     ----------
     tolerance
-        Change of the sources below which the sky has converged, in units of the noise (the square root of <dm, dm>),
-        rms over the sources.
+        The sky has converged when the rms change of the models of the sources falls below this number, in units of the
+        noise. The change dm of a model counts as sqrt(<dm, dm>), with the noise-weighted inner product of visibilities.
     most_major_cycles
         Largest number of major cycles.
     scale_lengths

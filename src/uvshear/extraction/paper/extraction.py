@@ -33,7 +33,7 @@ determine."""
 
 @dataclass(frozen=True)
 class PaperExtraction(Extraction):
-    """Extraction that fits sources in decreasing flux, in parallel where they are far apart.
+    """Extraction that fits sources in order of decreasing flux, in parallel where they are far apart.
 
     Parameters
     ----------
@@ -62,9 +62,7 @@ class PaperExtraction(Extraction):
     ) -> Extracted:
         """Measure every source, and those with a bad measurement once more at the end."""
         if setting.model.primary_beam is not None:
-            raise InputError(
-                "the paper's extraction has no primary beam; ConvergedExtraction has one"
-            )
+            raise InputError("PaperExtraction cannot model a primary beam; use ConvergedExtraction")
         meter = Meter(progress)
         run = SequentialPass(observation, field, setting, self.facet, meter.add)
         sky = PaperSky(field.sky)
