@@ -13,7 +13,6 @@ from uvshear.bias.survey import Survey
 from uvshear.errors import InputError
 from uvshear.estimators.bayesian import Bayesian
 from uvshear.estimators.mean import Mean
-from uvshear.estimators.moments import Moments
 from uvshear.estimators.packing import pack
 from uvshear.execution import SERIAL, Resources
 from uvshear.geometry.directions import PhaseCentre, local_north
@@ -30,14 +29,14 @@ def crowd():
     return Survey(plan(integration=7200.0), snr_min=10.0).crowd(SHEARS, 20, 4.0, seed=6)
 
 
-def test_moments_of_a_crowd_answer_to_the_shear(crowd):
+def test_moments_of_a_crowd_answer_to_the_shear(crowd, moments):
     def measured(observation, lensed):
         catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)
-        return measure(observation, catalogue, keep="moments", resources=Resources(SERIAL))
+        return measure(observation, catalogue, keep=(moments,), resources=Resources(SERIAL))
 
     done = []
     (total,) = estimate_crowded_bias(
-        crowd, [Moments()], measured, lambda now, there_is: done.append((now, there_is))
+        crowd, [moments], measured, lambda now, there_is: done.append((now, there_is))
     )
     assert total.n + total.failed == 20
     # of twenty galaxies; the same noise behind both shears leaves what neighbours make of it
@@ -135,5 +134,5 @@ def test_noise_and_its_opposite_are_about_the_same_sky(crowd):
 
 
 def test_an_estimator_that_learns_is_refused_before_anything_is_measured(crowd):
-    with pytest.raises(InputError, match="'bayesian' learns from a sample"):
+    with pytest.raises(InputError, match="'bayesian' fits its population to a sample"):
         estimate_crowded_bias(crowd, [Bayesian(fits_population=True)], measure)

@@ -108,7 +108,7 @@ def test_a_density_makes_a_crowd(monkeypatch):
 
 def test_an_estimator_that_learns_has_no_crowd():
     survey = replace(SHORT, plan=plan(integration=7200.0))
-    with pytest.raises(InputError, match="'bayesian' learns from a sample"):
+    with pytest.raises(InputError, match="'bayesian' fits its population to a sample"):
         estimate_bias(
             Bayesian(fits_population=True),
             galaxies=20,

@@ -72,5 +72,5 @@ def test_a_crowd_has_its_density_and_the_survey_its_cuts():
     ],
 )
 def test_what_is_for_galaxies_alone_is_refused_in_a_crowd(setting):
-    with pytest.raises(InputError, match="are options for galaxies alone in the beam"):
+    with pytest.raises(InputError, match="apply only to isolated galaxies"):
         replace(SHORT, **setting).crowd(SHEARS, 20, 4.0)

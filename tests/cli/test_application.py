@@ -126,8 +126,8 @@ def _failing(error: BaseException) -> Callable[..., int]:
     ("error", "status", "line"),
     [
         (InputError("cat.fits: is\nwrong"), 2, "uvshear: error: cat.fits: is wrong\n"),
-        (KeyboardInterrupt(), 130, "uvshear: interrupted; unfinished outputs are removed\n"),
-        (typer.Abort(), 130, "uvshear: interrupted; unfinished outputs are removed\n"),
+        (KeyboardInterrupt(), 130, "uvshear: interrupted; unfinished outputs have been removed\n"),
+        (typer.Abort(), 130, "uvshear: interrupted; unfinished outputs have been removed\n"),
         (
             OSError(28, "No space left on device", "out.fits"),
             2,
@@ -182,7 +182,7 @@ def test_a_real_interrupt_answers_at_once_with_status_130(tmp_path: Path) -> Non
         text=True,
     )
     assert done.returncode == 130, done.stderr
-    assert done.stderr == "uvshear: interrupted; unfinished outputs are removed\n"
+    assert done.stderr == "uvshear: interrupted; unfinished outputs have been removed\n"
     assert time.monotonic() - began < 10  # 4 on a quiet machine, imports and the timer's 2 included
     assert not (tmp_path / "field.ms").exists()
 

@@ -48,8 +48,11 @@ def test_the_bias_of_moments_is_told_and_written(uvshear: Callable, tmp_path: Pa
     [
         (["--shear", "1.5"], "--shear 1.5: |g| below 1 is needed"),
         (["--layout", "no-such-array"], "no-such-array"),
-        (["--position-error-arcsec", "3"], "allow for errors up to"),
-        (["--facet", "cell-average"], "--estimator moments: the paper's facets work only with"),
+        (["--position-error-arcsec", "3"], "allow for errors of at most"),
+        (
+            ["--facet", "cell-average"],
+            "--estimator moments: facets of cell averages work only with",
+        ),
         (
             ["--prior", "fitted"],
             "--prior fitted: --estimator moments has no prior; only bayesian has",
@@ -77,11 +80,11 @@ def test_a_wrong_call_is_one_line(
     ("estimator", "words", "message"),
     [
         ("metacal", "--selection measured", "differs from that of the shapes"),
-        ("metacal", "--density 3 --wraps moments", "--wraps: applies only to galaxies alone"),
+        ("metacal", "--density 3 --wraps moments", "--wraps: applies only to isolated galaxies"),
         ("metacal", "--prior fitted", "--estimator metacal has no prior"),
         ("metacal", "--wraps moments --prior fitted", "--wraps moments has no prior"),
         ("metacal", "--wraps spin", "--wraps spin: 'spin' is not a known estimator"),
-        ("mean", "--facet cell-average --shear 0", "cannot be rotated by a right angle"),
+        ("mean", "--facet cell-average --shear 0", "which is not possible for cell averages"),
         ("spin", "", "--estimator spin: 'spin' is not a known estimator; mean, moments, bayesian,"),
     ],
 )
@@ -137,7 +140,7 @@ def test_nothing_to_learn_a_population_from_is_told(uvshear: Callable, tmp_path:
     words = ("--prior", "fitted", "--flux-min-ujy", "300", "-o", tmp_path / "bias.json")
     outcome = uvshear("bias", "--estimator", "bayesian", *QUICK, *words)
     assert outcome.status == 2
-    assert "no galaxy passes the cuts; the estimator needs some to learn from" in outcome.err
+    assert "no galaxy passes the cuts, so that no population can be fitted" in outcome.err
 
 
 def test_the_papers_facets_round_galaxies(uvshear: Callable, tmp_path: Path) -> None:

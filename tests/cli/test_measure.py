@@ -150,12 +150,12 @@ def test_an_image_that_cannot_be_written_is_refused_before_measuring(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("--uv-min -1", "'--uv-min': -1 is not 0 or more"),
-        ("--uv-min nan", "'--uv-min': nan is not 0 or more"),
-        ("--uv-max 0", "'--uv-max': 0 is not above 0"),
+        ("--uv-min -1", "'--uv-min': -1; a number of 0 or more is needed"),
+        ("--uv-min nan", "'--uv-min': nan; a number of 0 or more is needed"),
+        ("--uv-max 0", "'--uv-max': 0; a number above 0 is needed"),
         ("--uv-min 5000 --uv-max 3000", "--uv-min 5000 --uv-max 3000: uv-min < uv-max"),
-        ("--facet-size -38", "'--facet-size': -38 is not above 0"),
-        ("--extraction paper --passes 0", "'--passes': 0 is not above 0"),
+        ("--facet-size -38", "'--facet-size': -38; a number above 0 is needed"),
+        ("--extraction paper --passes 0", "'--passes': 0; a number above 0 is needed"),
         (
             "--passes 3",
             "--extraction converged --passes 3: the converged extraction iterates to convergence",
@@ -180,7 +180,7 @@ def test_an_image_that_cannot_be_written_is_refused_before_measuring(
         ),
         ("--keep moments --weight uniform", "another weighting cannot be combined with them"),
         ("--keep moments --extraction paper", "PaperExtraction keeps no statistics"),
-        ("--memory-gb 0", "'--memory-gb': 0 is not above 0"),
+        ("--memory-gb 0", "'--memory-gb': 0; a number above 0 is needed"),
         ("--threads -1", "--threads"),
         ("--size-prior catalogue", "has no column 'scale_length'"),
         ("--reference-frequency-mhz -3", "-3 is not above 0"),

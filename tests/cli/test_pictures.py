@@ -40,7 +40,7 @@ def test_the_psf_is_described_and_drawn(
     monkeypatch.chdir(tmp_path)
     outcome = uvshear("psf", field, "--weight-sigma-arcsec", "8", "--pixel-arcsec", "0.5")
     assert outcome.status == 0, outcome.err
-    assert "size R = Q_ll + Q_mm" in outcome.out
+    assert "size Q_ll + Q_mm, Gaussian weight" in outcome.out
     assert "weighted" not in outcome.out
     assert (tmp_path / "field-psf.png").exists()
     assert (tmp_path / "field-uv.png").exists()
@@ -57,7 +57,11 @@ def test_what_a_weighting_makes_of_the_psf_is_told(
     weighting = "--weight briggs --robust 1 --taper-gaussian-arcsec 6 --round-psf"
     outcome = uvshear("psf", "field.ms", *sigma, *weighting.split())
     assert outcome.status == 0, outcome.err
-    (line,) = (line for line in outcome.out.splitlines() if "1/variance of e1" in line)
+    (line,) = (
+        line
+        for line in outcome.out.splitlines()
+        if "relative information (1/variance) on e1" in line
+    )
     natural, weighted = (float(word) for word in line.split()[-2:])
     assert natural == 1
     assert 0.3 < weighted < 1
@@ -79,11 +83,17 @@ def test_what_baselines_cannot_tell_is_said(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        ("psf field.ms --weight briggs", "--robust and --weight briggs go together"),
-        ("psf field.ms --robust 1", "--robust and --weight briggs go together"),
-        ("psf field.ms --taper-tukey 100", "--uv-max is needed, where the taper ends"),
-        ("psf field.ms --taper-inner-tukey 100", "--uv-min is needed, where the taper begins"),
-        ("psf field.ms --weight-sigma-arcsec 0", "--weight-sigma-arcsec': 0 is not above 0"),
+        ("psf field.ms --weight briggs", "--weight briggs: --robust is required"),
+        ("psf field.ms --robust 1", "--robust 1: --robust applies only to --weight briggs"),
+        ("psf field.ms --taper-tukey 100", "the taper ends at --uv-max, which must be given"),
+        (
+            "psf field.ms --taper-inner-tukey 100",
+            "the taper begins at --uv-min, which must be given",
+        ),
+        (
+            "psf field.ms --weight-sigma-arcsec 0",
+            "--weight-sigma-arcsec': 0; a number above 0 is needed",
+        ),
         ("psf field.ms --weight-field-arcmin 3", "--weight uniform or briggs is needed"),
         ("psf field.ms --scale-length-arcsec 3", "a weighting or a uv range is needed"),
         ("psf field.ms --uv-max 500 --taper-tukey 600", "the tapers are longer than the uv range"),
@@ -144,7 +154,7 @@ def test_the_demo_runs_commands_that_a_user_can_type(
         *(f"{picture}.png" for picture in demo.PICTURES),
     }
     quoted = [
-        "slope of e, weights 1/s^2 (most likely those of Rivi & Miller 2018)",
+        "slope of e, weights 1/s^2 with s the error of e (probably those of Rivi & Miller 2018)",
         "effective number of galaxies",
         "slope of e, weights 1/(s^2 + 0.07)",
         "slope of e, unweighted",

@@ -112,7 +112,7 @@ def test_the_same_seed_gives_the_same_error(
             "--estimator absent:Mine",
             "the estimator 'absent:Mine' cannot be imported",
         ),
-        ("shapes.fits", "--snr-min -3", "'--snr-min': -3 is not 0 or more"),
+        ("shapes.fits", "--snr-min -3", "'--snr-min': -3; a number of 0 or more is needed"),
         ("shapes.fits", "--snr-min 1e9", "2 or more are needed"),
         ("shapes.fits", "--seed -3", "--seed"),
     ],
@@ -346,7 +346,9 @@ def test_a_cut_that_is_only_nearly_the_biass_is_told(
         outcome = uvshear("shear", shapes, "--snr-min", "20", "--calibration", bias)
         assert outcome.status == 0
         assert len(outcome.err.splitlines()) == lines
-        assert ("were selected by the signal-to-noise ratio of their catalogue flux" in outcome.err) == bool(lines)
+        assert (
+            "were selected by the signal-to-noise ratio of their catalogue flux" in outcome.err
+        ) == bool(lines)
 
 
 def test_a_bias_of_another_population_is_refused(

@@ -86,7 +86,7 @@ def test_a_source_without_a_likelihood_tells_nothing():
 
 def test_galaxies_that_the_population_does_not_have_are_no_shear():
     faint = replace(POPULATION, flux=replace(POPULATION.flux, minimum=1e-3, maximum=2e-3))
-    with pytest.raises(InputError, match="of 4 galaxies, fewer than 2 contribute"):
+    with pytest.raises(InputError, match="of 4 selected galaxies, fewer than 2 contribute"):
         estimate_sample_shear(Bayesian(faint), _packed(_rings(0j, number=2)))
 
 

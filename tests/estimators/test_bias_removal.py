@@ -68,8 +68,16 @@ NARROWER = {"size": {"sigma": 0.3}}
         (_bias(bins=(_bias(c_err=(math.nan, 0.0)),)), {}, "lacks m, c or their errors"),
         (_bias(m=(0.0, -1.5)), {}, "m is -1 or less"),
         (_bias(simulation=None), {}, "has no record of its simulation"),
-        (_bias(simulation=BiasSimulation(CONDITIONS, flux_max=5e-5)), {}, "an upper limit of the flux, 50 uJy"),
-        (_bias(simulation=BiasSimulation(CONDITIONS, position_sigma=1e-6)), {}, "--position-error-arcsec"),
+        (
+            _bias(simulation=BiasSimulation(CONDITIONS, flux_max=5e-5)),
+            {},
+            "an upper limit of the flux, 50 uJy",
+        ),
+        (
+            _bias(simulation=BiasSimulation(CONDITIONS, position_sigma=1e-6)),
+            {},
+            "--position-error-arcsec",
+        ),
         (
             _bias(simulation=BiasSimulation(CONDITIONS, keeps_scale_lengths=True)),
             {},
@@ -78,7 +86,11 @@ NARROWER = {"size": {"sigma": 0.3}}
         (_bias(), {"estimator": "moments"}, "with estimator = mean, but the shear is estimated"),
         (_bias(), {"snr_min": 10.0}, "with snr_min = 0, but the shear is estimated with"),
         (_bias(), {"flux_min": 0.0}, "with flux_min_ujy = 20, but the shear is estimated with"),
-        (_bias(), {"averages_cells": True}, "with facet = exact, but the shapes were measured with facet = cell-average"),
+        (
+            _bias(),
+            {"averages_cells": True},
+            "with facet = exact, but the shapes were measured with facet = cell-average",
+        ),
         (_bias(), {"assumed": {"prior": "fitted"}}, "with prior = paper, but the shear"),
         (_bias(), {"assumed": {"wraps": "mean"}}, "with wraps = none, but the shear"),
         (
@@ -104,7 +116,9 @@ def test_a_bias_of_other_conditions_is_refused(bias, own, message):
 def test_a_cut_that_is_only_nearly_the_same_is_warned_of():
     own = replace(CONDITIONS, snr_min=10.0)
     simulation = BiasSimulation(own)
-    with pytest.warns(DataWarning, match="were selected by the signal-to-noise ratio of their catalogue flux"):
+    with pytest.warns(
+        DataWarning, match="were selected by the signal-to-noise ratio of their catalogue flux"
+    ):
         check_removable(_bias(simulation=simulation), own)
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -216,7 +216,7 @@ def test_a_sample_without_fluxes_has_no_bins():
 def test_too_few_galaxies_are_told():
     columns = _by_flux(5)
     columns["weight"][1:] = 0
-    with pytest.raises(InputError, match="of 5 galaxies, fewer than 2 contribute"):
+    with pytest.raises(InputError, match="of 5 selected galaxies, fewer than 2 contribute"):
         estimate_sample_shear(Mean(), Sample(columns, np.zeros(5)))
 
 

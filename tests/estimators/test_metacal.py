@@ -121,6 +121,8 @@ def test_a_wrapped_estimator_learns_before_the_measurement_or_not_at_all():
     assert metacal.is_learning
     assert metacal.learner is metacal.wrapped
     sample = Sample({name: np.ones(3) for name in metacal.columns}, np.zeros(3))
-    with pytest.raises(InputError, match="'metacal' wraps 'bayesian', which learns from a sample"):
+    with pytest.raises(
+        InputError, match="'metacal' wraps 'bayesian' with a population that is yet"
+    ):
         estimate_sample_shear(metacal, sample)
     assert not Metacal(Mean()).is_learning

@@ -77,5 +77,7 @@ def test_dishes_that_pointed_away_have_no_beam():
 
 def test_an_observation_that_does_not_know_its_dishes_says_so():
     for ask in (dish_diameters, pointing_of):
-        with pytest.raises(InputError, match="does not describe the dishes"):
+        with pytest.raises(
+            InputError, match="does not give the diameters and the pointing of the dishes"
+        ):
             ask(observation(1))

@@ -88,7 +88,10 @@ def test_the_facets_and_the_cut_are_read(tmp_path: Path) -> None:
         ({"c1": "left out"}, "has no number 'c1'; `uvshear bias` writes one"),
         ({"c2_err": None}, "has no number 'c2_err'"),
         ({"snr_min": "ten"}, "has no number 'snr_min'"),
-        ({"population": {"colour": {}}}, "unknown entry 'colour'; a population has the entries flux, size, ellipticity"),
+        (
+            {"population": {"colour": {}}},
+            "unknown entry 'colour'; a population has the entries flux, size, ellipticity",
+        ),
     ],
 )
 def test_a_damaged_file_is_refused(

@@ -181,7 +181,9 @@ def _wrong(message: str, **columns: object) -> object:
         _wrong("column 'flux', id 9: is -3; a positive", flux=[1, 1, -3] * units.Jy),
         _wrong("column 'flux', id 7: is 0; a positive", flux=[0, 1, 1] * units.Jy),
         _wrong("column 'flux' has no unit", flux=[1.0, 1, 1]),
-        _wrong("column 'flux' is in 'm', which is not a unit of Jy", flux=[1.0, 1, 1] * units.m),
+        _wrong(
+            "column 'flux' is in 'm', which cannot be converted to Jy", flux=[1.0, 1, 1] * units.m
+        ),
         _wrong("column 'flux' holds text", flux=["a", "b", "c"]),
         _wrong("column 'ra', id 7: is nan", ra=[math.nan, 1, 1] * units.deg),
         _wrong("column 'dec', id 8: is -91", dec=[0, -91, 1] * units.deg),

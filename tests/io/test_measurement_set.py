@@ -275,8 +275,19 @@ def test_all_nan_is_an_error(path):
 def test_autocorrelations_alone_are_an_error(path):
     change(path, "ANTENNA1", 0)
     change(path, "ANTENNA2", 0)
-    with pytest.raises(InputError, match="holds only autocorrelations"):
+    with pytest.raises(InputError, match="there are only autocorrelations in the field"):
         list(MeasurementSet(path).chunks())
+
+
+def test_scans_of_another_field_are_named(path):
+    with _edit(path) as main:
+        later = (np.arange(main.nrows()) > 0).astype(np.int32)
+        main.putcol("FIELD_ID", later)
+        main.putcol("SCAN_NUMBER", 1 + 2 * later)
+    with _edit(path, "FIELD") as fields:
+        fields.copyrows(fields)
+    with pytest.raises(InputError, match="there are no rows in scans 3 of the field"):
+        list(MeasurementSet(path, field=0, scans=(3,)).chunks())
 
 
 def _direct(path, rows=slice(None)):
@@ -404,8 +415,8 @@ def test_the_opposite_sign_of_uvw_is_a_notice(tmp_path):
     with _edit(path) as main:
         main.putcol("UVW", -main.getcol("UVW"))
     (notice,) = MeasurementSet(path).notices()
-    assert notice.startswith("UVW is X(ANTENNA2) - X(ANTENNA1)")
-    assert "used as it is stored" in notice
+    assert "UVW as it is read is X(ANTENNA2) - X(ANTENNA1)" in notice
+    assert "give --conjugate to reverse the sign" in notice
     assert MeasurementSet(path, conjugates=True).notices() == ()
 
 

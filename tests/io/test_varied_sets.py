@@ -156,7 +156,9 @@ def test_a_model_is_taken_from_the_visibilities(usual, tmp_path):
 
 def test_a_model_that_is_not_there_is_named(tmp_path):
     path = write_varied(tmp_path / "model.ms", COVERAGE, _windows(1), correlations=(9, 12))
-    with pytest.raises(InputError, match="no column MODEL_DATA; those with visibilities: DATA"):
+    with pytest.raises(
+        InputError, match="no column MODEL_DATA; the columns that hold visibilities are DATA"
+    ):
         open_observation(path, Reading(subtracted="MODEL_DATA"))
 
 

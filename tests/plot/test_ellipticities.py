@@ -40,5 +40,5 @@ def test_the_line_drawn_is_that_of_the_paper_s_weights() -> None:
 
 def test_the_figure_says_why_the_other_slopes_are_lower() -> None:
     caption = _figure().get_supxlabel()
-    assert "posterior mean under a flat prior" in caption
+    assert "posterior mean with a flat prior" in caption
     assert "Rivi & Miller 2018" in caption

@@ -133,5 +133,5 @@ def test_known_errors_of_the_position_are_taken_off():
 
 
 def test_errors_of_the_position_that_leave_nothing_are_refused():
-    with pytest.raises(InputError, match="allow for errors up to"):
+    with pytest.raises(InputError, match="allow for errors of at most"):
         MomentFunctional(CELLS.uv, POWER, WIDTH, 3 * ARCSEC)

@@ -23,7 +23,7 @@ NO_PART_OF_THE_RESULT = frozenset({"threads", "overwrite", "output", "residual_i
 def positive(value: float | None) -> float | None:
     """Check a number above 0."""
     if value is not None and not 0 < value < math.inf:
-        raise typer.BadParameter(f"{value:g}: it must be above 0")
+        raise typer.BadParameter(f"{value:g}; a number above 0 is needed")
     return value
 
 
@@ -37,28 +37,28 @@ def all_positive(values: list[float] | None) -> list[float] | None:
 def non_negative(value: float | None) -> float | None:
     """Check a number of 0 or more."""
     if value is not None and not 0 <= value < math.inf:
-        raise typer.BadParameter(f"{value:g}: it must be 0 or more")
+        raise typer.BadParameter(f"{value:g}; a number of 0 or more is needed")
     return value
 
 
 def finite(value: float | None) -> float | None:
     """Check a number that is neither NaN nor infinite."""
     if value is not None and not math.isfinite(value):
-        raise typer.BadParameter(f"{value:g}: it must be a finite number")
+        raise typer.BadParameter(f"{value:g}; a finite number is needed")
     return value
 
 
 def fraction(value: float | None) -> float | None:
     """Check a number above 0, up to 1."""
     if value is not None and not 0 < value <= 1:
-        raise typer.BadParameter(f"{value:g}: it must be above 0 and at most 1")
+        raise typer.BadParameter(f"{value:g}; a number above 0 and at most 1 is needed")
     return value
 
 
 def declination(value: float | None) -> float | None:
     """Check a declination in degrees."""
     if value is not None and not -90 <= value <= 90:
-        raise typer.BadParameter(f"{value:g}: it must be between -90 and 90 degrees")
+        raise typer.BadParameter(f"{value:g}; a declination between -90 and 90 degrees is needed")
     return value
 
 
