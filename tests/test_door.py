@@ -192,7 +192,7 @@ WRONG = {
     "resources": ("resources=2", "resources=2: a uvshear.Resources is needed, not the type int"),
     "keep": (
         "keep='moment'",
-        "'moment' is not a known estimator; mean, moments, bayesian, metacal",
+        "'moment' is not a known estimator; the known names are mean, moments, bayesian, metacal",
     ),
     "an object in keep": ("keep=[3]", "3 is not an estimator of the shear"),
     "a number for keep": ("keep=3", "3 is not an estimator of the shear"),

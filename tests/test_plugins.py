@@ -51,7 +51,7 @@ def test_a_file_in_the_current_directory_is_imported(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("two", "'two' is not a known square; one, gone, hollow"),
+        ("two", "'two' is not a known square; the known names are one, gone, hollow"),
         ("gone", "the square 'gone' cannot be imported: No module named 'no_such_module'"),
         ("hollow", "the square 'hollow' cannot be imported"),
         ("no_such_module:Square", "cannot be imported: No module named"),

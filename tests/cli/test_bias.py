@@ -85,7 +85,11 @@ def test_a_wrong_call_is_one_line(
         ("metacal", "--wraps moments --prior fitted", "--wraps moments has no prior"),
         ("metacal", "--wraps spin", "--wraps spin: 'spin' is not a known estimator"),
         ("mean", "--facet cell-average --shear 0", "which is not possible for cell averages"),
-        ("spin", "", "--estimator spin: 'spin' is not a known estimator; mean, moments, bayesian,"),
+        (
+            "spin",
+            "",
+            "--estimator spin: 'spin' is not a known estimator; the known names are mean, moments, bayesian,",
+        ),
     ],
 )
 def test_what_would_not_be_heeded_is_refused(

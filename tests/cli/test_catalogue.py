@@ -68,7 +68,7 @@ def test_a_centre_gives_equatorial_positions(uvshear: Callable, tmp_path: Path) 
         ("--field-arcmin 6 --count 5 --flux-ujy 200 10", "200 10 is not a range; 0 < LO < HI"),
         ("--field-arcmin 6 --count 5 --flux-ujy -1 10", "-1 10 is not a range; 0 < LO < HI"),
         ("--field-arcmin 6 --count 5 --seed -1", "--seed"),
-        ("--field-arcmin 6 --count 5 --declination-deg 91", "91 is not between -90 and 90"),
+        ("--field-arcmin 6 --count 5 --declination-deg 91", "91; a declination between -90 and 90"),
         ("--field-arcmin 6 --count 5 --ra-deg 10", "--ra-deg: --declination-deg is needed as well"),
     ],
 )

@@ -17,8 +17,8 @@ def test_a_set_is_described(uvshear: Callable, tmp_path: Path) -> None:
         "ska-mid-aa1",
         "950 - 1190 MHz, 4 channels of 60000 kHz; XX YY",
         "field 0 simulated",
-        "1680 and 0 autocorrelations",
-        "no time, no band",
+        "1680 cross-correlations, 0 autocorrelations",
+        "none in time, none in frequency",
         "UVW is X(ANTENNA1) - X(ANTENNA2)",
     ):
         assert fact in outcome.out

@@ -163,27 +163,29 @@ def test_an_image_that_cannot_be_written_is_refused_before_measuring(
         ("--facet cell-average", "--facet cell-average: the converged extraction has exact facets"),
         (
             "--extraction both",
-            "--extraction both: 'both' is not a known extraction; converged, paper are known",
+            "--extraction both: 'both' is not a known extraction; the known names are converged, paper,",
         ),
         (
             "--profile square",
-            "--profile square: 'square' is not a known profile; exponential, gaussian, sersic-2,",
+            "--profile square: 'square' is not a known profile; the known names are exponential, gaussian, sersic-2,",
         ),
         ("--profile absent:Round", "--profile absent:Round: the profile 'absent:Round' cannot be"),
         (
             "--primary-beam round",
-            "--primary-beam round: 'round' is not a known primary beam; airy, cosine-cubed, meerkat",
+            "--primary-beam round: 'round' is not a known primary beam; the known names are airy, cosine-cubed,"
+            " meerkat",
         ),
         (
             "--keep moments,spin",
-            "--keep moments,spin: 'spin' is not a known estimator; mean, moments, bayesian, metacal",
+            "--keep moments,spin: 'spin' is not a known estimator; the known names are mean, moments, bayesian,"
+            " metacal",
         ),
         ("--keep moments --weight uniform", "another weighting cannot be combined with them"),
         ("--keep moments --extraction paper", "PaperExtraction keeps no statistics"),
         ("--memory-gb 0", "'--memory-gb': 0; a number above 0 is needed"),
         ("--threads -1", "--threads"),
         ("--size-prior catalogue", "has no column 'scale_length'"),
-        ("--reference-frequency-mhz -3", "-3 is not above 0"),
+        ("--reference-frequency-mhz -3", "-3; a number above 0 is needed"),
         ("--column MODEL", "MODEL"),
     ],
 )
@@ -304,7 +306,7 @@ def test_a_uv_range_beyond_all_baselines_is_refused(
     output = tmp_path / "shapes.fits"
     outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output, "--uv-min", "1e9")
     assert outcome.status == 2
-    assert "--uv-min 1e+09: the longest baseline of the observation is" in outcome.err
+    assert "--uv-min 1e+09 (uv_range=): the longest baseline of the observation is" in outcome.err
     assert not output.exists()
 
 

@@ -65,7 +65,9 @@ def test_what_a_weighting_makes_of_the_psf_is_told(
     natural, weighted = (float(word) for word in line.split()[-2:])
     assert natural == 1
     assert 0.3 < weighted < 1
-    (line,) = (line for line in outcome.out.splitlines() if line.strip().startswith("e1 under"))
+    (line,) = (
+        line for line in outcome.out.splitlines() if line.strip().startswith("e1, Gaussian weight")
+    )
     natural, weighted = (float(word) for word in line.split()[-2:])
     assert abs(weighted) < min(0.005, abs(natural) / 3)
 
@@ -101,7 +103,7 @@ def test_what_baselines_cannot_tell_is_said(
         ("psf field.ms --uv-min 1e9 --weight uniform", "or another weighting, is needed"),
         ("psf field.ms --uv-min 1e9", "a wider uv range, or another weighting, is needed"),
         ("psf field.ms --uv-min 10 --uv-max 5", "uv-min < uv-max is needed"),
-        ("psf field.ms --pixel-arcsec -1", "-1 is not above 0"),
+        ("psf field.ms --pixel-arcsec -1", "-1; a number above 0 is needed"),
         ("psf field.ms --pixel-arcsec 3", "give pixels of about sigma/5"),
         ("psf absent.ms", "absent.ms"),
         ("psf field.ms -o nowhere/psf.png", "does not exist"),

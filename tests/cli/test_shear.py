@@ -105,7 +105,7 @@ def test_the_same_seed_gives_the_same_error(
         (
             "shapes.fits",
             "--estimator spin",
-            "--estimator spin: 'spin' is not a known estimator; mean,",
+            "--estimator spin: 'spin' is not a known estimator; the known names are mean,",
         ),
         (
             "shapes.fits",

@@ -94,7 +94,7 @@ def test_a_wrong_sefd_is_refused(text: str) -> None:
             "--sefd-jy 400 --efficiency 1.1",
             "1.1; a number above 0 and at most 1 is needed",
         ),
-        ("--declination-deg -30", "--declination-deg -95", "-95 is not between -90 and 90"),
+        ("--declination-deg -30", "--declination-deg -95", "-95; a declination between -90 and 90"),
         ("--declination-deg -30", "", "--declination-deg: is needed, because the catalogue has no"),
         (
             "--declination-deg",
@@ -103,7 +103,11 @@ def test_a_wrong_sefd_is_refused(text: str) -> None:
         ),
         ("--declination-deg", "--shear 1 0.5 --declination-deg", "|g| must be below 1"),
         ("--declination-deg", "--shear nan 0 --declination-deg", "|g| must be below 1"),
-        ("--declination-deg", "--elevation-limit-deg -5 --declination-deg", "-5 is not 0 or more"),
+        (
+            "--declination-deg",
+            "--elevation-limit-deg -5 --declination-deg",
+            "-5; a number of 0 or more is needed",
+        ),
         ("--declination-deg", "--elevation-limit-deg 89.9 --declination-deg", "elevation"),
         ("--declination-deg", "--profile cube --declination-deg", "--profile cube: 'cube' is not"),
         ("--declination-deg", "--primary-beam x --declination-deg", "--primary-beam x: 'x' is not"),

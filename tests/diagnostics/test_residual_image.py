@@ -154,7 +154,7 @@ def test_the_uv_range_is_heeded():
 
 
 def test_a_uv_range_beyond_what_pixels_carry_is_refused():
-    with pytest.raises(InputError, match="--uv-min 9e\\+06: an image of 4096 pixels"):
+    with pytest.raises(InputError, match="--uv-min 9e\\+06: a residual image of 4096 pixels"):
         plan_image(SKY, UvRange(9e6), 1e7)
 
 

@@ -47,7 +47,10 @@ def test_module_and_name_are_imported():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ("median", "'median' is not a known estimator; mean, moments, bayesian, metacal are known"),
+        (
+            "median",
+            "'median' is not a known estimator; the known names are mean, moments, bayesian, metacal,",
+        ),
         ("", "'' is not a known estimator"),
         ("no_such_file:Median", "'no_such_file:Median' cannot be imported: No module named"),
         ("uvshear.estimators:Median", "cannot be imported: module 'uvshear.estimators' has no"),

@@ -43,7 +43,7 @@ def test_diameters_may_be_a_function():
 def test_unknown_diameters_matter_only_to_beams_that_depend_on_them():
     unknown = np.array([13.5, np.nan])
     primary_beam_named("meerkat", unknown)
-    with pytest.raises(InputError, match="dish of antenna 1 is not given"):
+    with pytest.raises(InputError, match="dish of antenna 1 is not known"):
         primary_beam_named("airy", unknown)
 
 
@@ -70,5 +70,8 @@ def test_what_is_no_beam_is_refused(module):
 
 
 def test_a_name_that_nobody_knows_lists_those_that_are_known():
-    with pytest.raises(InputError, match="'round' is not a known primary beam; airy, cosine-cubed"):
+    with pytest.raises(
+        InputError,
+        match="'round' is not a known primary beam; the known names are airy, cosine-cubed",
+    ):
         primary_beam_named("round", DIAMETERS)

@@ -124,7 +124,9 @@ def test_without_a_limit_the_source_may_be_under_the_horizon():
 
 def test_a_source_that_never_rises_is_an_error():
     track = Track(PhaseCentre(0.0, 1.5), ((-1.0, 1.0),), 60.0, elevation_limit=0.1)
-    with pytest.raises(InputError, match=r"never above the elevation limit.*another declination"):
+    with pytest.raises(
+        InputError, match=r"never rises above the elevation limit.*another declination"
+    ):
         synthesise(load_layout("ska-mid-aa1"), track)
 
 

@@ -73,5 +73,5 @@ def test_a_beam_is_one_where_the_dishes_point():
 @pytest.mark.parametrize("unknown", [0.0, np.nan])
 def test_a_diameter_that_is_not_given_is_named(unknown):
     diameters = np.array([13.5, unknown, 15.0])
-    with pytest.raises(InputError, match="dish of antenna 1 is not given"):
+    with pytest.raises(InputError, match="dish of antenna 1 is not known"):
         AiryBeam.from_diameters(diameters)

@@ -33,7 +33,9 @@ def test_the_hands_that_make_stokes_i_are_found(types, hands):
 
 
 def test_crossed_hands_alone_are_an_error():
-    with pytest.raises(InputError, match=r"\[10, 11\] do not give Stokes I; XX and YY"):
+    with pytest.raises(
+        InputError, match=r"\[10, 11\] do not give Stokes I; I .1., or at least one of XX and YY"
+    ):
         parallel_hands([10, 11])
 
 

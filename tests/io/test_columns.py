@@ -59,7 +59,9 @@ def test_errors_that_are_not_known_are_zero() -> None:
 def test_the_first_row_that_is_wrong_is_named() -> None:
     columns = _columns(id=[7, 8, 9], flux=[1.0, -2.0, -3.0])
     flux = columns.number("flux", units.Jy, assumed=units.Jy)
-    with pytest.raises(InputError, match=r"mine\.csv: column 'flux', id 8: is -2; more is needed"):
+    with pytest.raises(
+        InputError, match=r"mine\.csv: column 'flux' is -2 for id 8; more is needed"
+    ):
         columns.require("flux", flux > 0, "more is needed", flux)
 
 

@@ -53,7 +53,9 @@ def test_a_damaged_table_is_one_line(path):
 
 
 def test_a_missing_column_lists_those_with_visibilities(path):
-    with pytest.raises(InputError, match=r"no column CORRECTED_DATA; those with visibil.*: DATA$"):
+    with pytest.raises(
+        InputError, match=r"no column CORRECTED_DATA; the columns that hold visibilities are DATA$"
+    ):
         MeasurementSet(path, column="CORRECTED_DATA")
     with pytest.raises(InputError, match="column UVW holds double, not complex"):
         MeasurementSet(path, column="UVW")

@@ -74,5 +74,5 @@ def test_a_source_that_the_dishes_do_not_see_is_outside_the_field(field, summary
 
 
 def test_a_range_without_baselines_is_refused(field, summary):
-    with pytest.raises(InputError, match=r"--uv-min 1e\+09: the longest baseline"):
+    with pytest.raises(InputError, match=r"--uv-min 1e\+09 \(uv_range=\): the longest baseline"):
         _field(field, summary, method=replace(METHOD, uv_range=UvRange(1e9)))

@@ -277,7 +277,10 @@ class Untouchable:
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"keep": "moment"}, "'moment' is not a known estimator; mean, moments, bayesian, metacal"),
+        (
+            {"keep": "moment"},
+            "'moment' is not a known estimator; the known names are mean, moments, bayesian, metacal",
+        ),
         ({"keep": ("moments", "spin")}, "'spin' is not a known estimator"),
         ({"keep": "absent:Mine"}, "the estimator 'absent:Mine' cannot be imported"),
         (

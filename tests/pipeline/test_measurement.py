@@ -26,7 +26,7 @@ def _names(directory):
 
 
 def test_a_representation_says_what_was_measured_and_how(kept):
-    first, snr, statistics, record = repr(kept).splitlines()
+    first, snr, statistics, cycles, record = repr(kept).splitlines()
     assert first == (
         "Measurement of 7 sources: 1 below_horizon, 4 ok, 1 outside_field, 1 point_source"
     )
@@ -34,7 +34,8 @@ def test_a_representation_says_what_was_measured_and_how(kept):
     assert "median error of e" in snr
     assert statistics.strip() == "statistics kept for: moments"
     assert "extraction converged" in record
-    assert "major_cycles" in record
+    assert "major cycles; one more would change the models of the sources by" in cycles
+    assert "left_undone" not in repr(kept)
     assert max(map(len, repr(kept).splitlines())) < 250
 
 
