@@ -61,9 +61,10 @@ TASKS = {
     """,
     "bias": """
         survey = uvshear.Survey(plan)
-        bias = uvshear.estimate_bias("mean", galaxies=100, shear=0.05, survey=survey)
+        bias = uvshear.estimate_bias("moments", galaxies=100, shear=0.05, survey=survey)
         uvshear.write_bias("BIAS.json", bias)
-        shear = uvshear.estimate_shear("SHAPES.fits", correction=uvshear.read_bias("BIAS.json"))
+        bias = uvshear.read_bias("BIAS.json")
+        shear = uvshear.estimate_shear("SHAPES.fits", "moments", correction=bias)
     """,
     "psf": """
         grid = uvshear.ImageGrid(size=128, pixel=0.5 * np.pi / 180 / 3600)
