@@ -66,8 +66,9 @@ def bias(
         typer.Option(
             min=100,
             rich_help_panel=SKY,
-            help="Number of galaxies. Each isolated galaxy is measured four times with each shear (twice with"
-            " --no-rings), or eight times in all with --shear 0.",
+            help="Number of galaxies. With each shear an isolated galaxy is measured four times: with ellipticity"
+            " e and -e, each with a realisation of the noise and with its negative (twice with --no-rings). With"
+            " --shear 0 it is measured eight times in all.",
         ),
     ],
     output: Annotated[

@@ -155,8 +155,9 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=MODEL,
-            help="Radius about the catalogue's position within which a source must lie; by default the standard"
-            " deviation of the peak in the cross-correlation of the data with a round galaxy of median size.",
+            help="Radius about the catalogue's position within which a source must lie; by default the width"
+            " (as a Gaussian sigma) of the peak that a round galaxy of median size makes in its cross-correlation with"
+            " the data.",
         ),
     ] = None,
     primary_beam: PrimaryBeamOption = NONE,

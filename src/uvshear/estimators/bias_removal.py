@@ -84,7 +84,7 @@ def _refuse_what_is_not_measured(simulation: BiasSimulation, name: str) -> None:
     if math.isfinite(simulation.flux_max):
         raise InputError(
             f"{name}: was simulated with an upper limit of the flux, {simulation.flux_max / MICROJANSKY:g} uJy,"
-            " which a shear does not have; simulate without `--flux-max-ujy`"
+            " but `uvshear shear` has no such cut; simulate without `--flux-max-ujy`"
         )
     if simulation.keeps_scale_lengths:
         raise InputError(

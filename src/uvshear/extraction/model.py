@@ -29,8 +29,8 @@ class Model:
     population
         Distribution of intrinsic ellipticities, for the weights of the shapes.
     position_radius
-        Radius of the uniform prior on the position [rad]; None stands for the standard
-        deviation of the peak in the cross-correlation of the data with a round galaxy of median size.
+        Radius of the uniform prior on the position [rad]; None stands for the width (as
+        a Gaussian sigma) of the peak that a round galaxy of median size makes in its cross-correlation with the data.
     primary_beam
         Primary beam of the dishes (``interferometer.primary_beam``). If it is given, the catalogue's fluxes are
         intrinsic; with None they are apparent, that is, attenuated by the beam.

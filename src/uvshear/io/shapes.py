@@ -48,7 +48,7 @@ COLUMNS: Mapping[str, ShapeColumn] = {
     "l": ShapeColumn("direction cosine to the East", "rad"),
     "m": ShapeColumn("direction cosine to the North", "rad"),
     "flux": ShapeColumn("flux density in the catalogue", "uJy", MICROJANSKY),
-    "e1": ShapeColumn(f"posterior mean of e1, |e| = (a-b)/(a+b); {_FRAME}"),
+    "e1": ShapeColumn(f"posterior mean of e1; {_FRAME}"),
     "e2": ShapeColumn(f"posterior mean of e2; {_FRAME}"),
     "e1_err": ShapeColumn("posterior standard deviation of e1"),
     "e2_err": ShapeColumn("posterior standard deviation of e2"),
