@@ -79,7 +79,7 @@ def test_a_wrong_call_is_one_line(
 @pytest.mark.parametrize(
     ("estimator", "words", "message"),
     [
-        ("metacal", "--selection measured", "differs from that of the shapes"),
+        ("metacal", "--selection measured", "is not the one in a table of shapes"),
         ("metacal", "--density 3 --wraps moments", "--wraps: applies only to isolated galaxies"),
         ("metacal", "--prior fitted", "--estimator metacal has no prior"),
         ("metacal", "--wraps moments --prior fitted", "--wraps moments has no prior"),

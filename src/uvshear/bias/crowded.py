@@ -92,7 +92,7 @@ def estimate_crowded_bias(
         if estimator.is_learning:
             raise InputError(
                 f"the estimator '{estimator.name}' fits its population to a sample, which is possible only for isolated"
-                " galaxies; leave out the density, or give it a population"
+                " galaxies; leave out the density, or give the estimator a population"
             )
     shears = experiment.shears
     measured: list[list[Measurement]] = []

@@ -66,9 +66,9 @@ def bias(
         typer.Option(
             min=100,
             rich_help_panel=SKY,
-            help="Number of galaxies. With each shear an isolated galaxy is measured four times: with ellipticity"
-            " e and -e, each with a realisation of the noise and with its negative (twice with --no-rings). With"
-            " --shear 0 it is measured eight times in all.",
+            help="Number of galaxies. With each shear an isolated galaxy is measured four times: with the"
+            " ellipticities e and -e, and for each of these with a realisation of the noise and with the negative of"
+            " that noise. With --no-rings, which omits -e, it is measured twice; with --shear 0, eight times in all.",
         ),
     ],
     output: Annotated[
@@ -319,8 +319,8 @@ def _refuse(estimator: str, shear: float, *, is_measured: bool, is_averaged: boo
         raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
     if is_averaged and shear == 0:
         raise InputError(
-            "--facet cell-average --shear 0: without a shear the facets are rotated by 90 degrees, which is not"
-            " possible for cell averages; give --shear a value above 0"
+            "--facet cell-average --shear 0: with --shear 0 each galaxy is simulated a second time turned by 90"
+            " degrees, which is not possible for cell averages; give --shear a value above 0"
         )
     if is_averaged and estimator != MEAN:
         raise InputError(
@@ -328,8 +328,8 @@ def _refuse(estimator: str, shear: float, *, is_measured: bool, is_averaged: boo
         )
     if is_measured and estimator == "metacal":
         raise InputError(
-            "--estimator metacal --selection measured: metacal measures the signal-to-noise ratio with a round PSF,"
-            " where it differs from that of the shapes; use --selection catalogue"
+            "--estimator metacal --selection measured: the signal-to-noise ratio that metacal measures, with a"
+            " round PSF, is not the one in a table of shapes; use --selection catalogue"
         )
 
 

@@ -156,8 +156,7 @@ def measure(
             callback=positive,
             rich_help_panel=MODEL,
             help="Radius about the catalogue's position within which a source must lie; by default the width"
-            " (as a Gaussian sigma) of the peak that a round galaxy of median size makes in its cross-correlation with"
-            " the data.",
+            " (Gaussian sigma) of the peak in the cross-correlation of the data with a round galaxy of median size.",
         ),
     ] = None,
     primary_beam: PrimaryBeamOption = NONE,
@@ -393,7 +392,7 @@ def tell_convergence(record: "Mapping[str, object]") -> None:
     released = record.get("released")
     if isinstance(released, list) and released[-1] > RELEASED:
         warn(
-            "the sky model with the wide prior on ellipticities, from which the statistics of --keep are computed,"
-            f" still changed by {released[-1]:.2g} times the noise (rms) in its last cycle; treat shears from these"
-            " statistics with care"
+            "the statistics of --keep are computed from a second sky model, fitted with a wider prior on ellipticities;"
+            f" this model still changed by {released[-1]:.2g} times the noise (rms) in its last cycle, so treat shears"
+            " from these statistics with care"
         )

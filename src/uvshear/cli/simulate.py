@@ -112,7 +112,7 @@ def simulate(
             callback=finite,
             rich_help_panel=ARRAY,
             help="Right ascension of the phase centre; by default that of the catalogue's field. It is required if the"
-            " catalogue has (ra, dec) without a field centre, and 0 for (l, m) positions.",
+            " catalogue has (ra, dec) without a field centre; for (l, m) positions it is 0 by default.",
         ),
     ] = None,
     hours: Annotated[

@@ -72,7 +72,7 @@ def check_removable(bias: Bias, own: ShearConditions, name: str = "the bias") ->
     if own.snr_min > 0 and not simulation.cuts_on_measured:
         warnings.warn(
             f"{name}: the simulated galaxies were selected by the signal-to-noise ratio of their catalogue flux,"
-            " but those of the shear by the fitted signal-to-noise ratio, which shear and noise change; simulate"
+            " but the measured ones by their fitted signal-to-noise ratio, which shear and noise change; simulate"
             " with `--selection measured`, or select by flux (`--flux-min-ujy`), which does not change m",
             DataWarning,
             stacklevel=3,
