@@ -97,7 +97,7 @@ def test_what_baselines_cannot_tell_is_said(
             "--weight-sigma-arcsec': 0; a number above 0 is needed",
         ),
         ("psf field.ms --weight-field-arcmin 3", "--weight uniform or briggs is needed"),
-        ("psf field.ms --scale-length-arcsec 3", "a weighting or a uv range is needed"),
+        ("psf field.ms --scale-length-arcsec 3", "or give a weighting or a uv range"),
         ("psf field.ms --uv-max 500 --taper-tukey 600", "the tapers are longer than the uv range"),
         ("psf field.ms --uv-min 1e9 --weight briggs --robust 0", "or another weighting, is needed"),
         ("psf field.ms --uv-min 1e9 --weight uniform", "or another weighting, is needed"),

@@ -120,7 +120,7 @@ def test_scans_are_chosen(scanned):
     assert _rows(scanned) == whole
     assert _rows(scanned, scans=(2,)) == whole // 3
     assert _rows(scanned, scans=(1, 3)) == whole - whole // 3
-    with pytest.raises(InputError, match="no rows of scan 7; there are 1, 2, 3"):
+    with pytest.raises(InputError, match="no rows of scan 7; the scans with rows are 1, 2, 3"):
         MeasurementSet(scanned, scans=(1, 7))
 
 

@@ -34,7 +34,7 @@ def test_a_representation_says_what_was_measured_and_how(kept):
     assert "median error of e" in snr
     assert statistics.strip() == "statistics kept for: moments"
     assert "extraction converged" in record
-    assert "major cycles; one more would change the models of the sources by" in cycles
+    assert "major cycles; one more would change the model of a source by" in cycles
     assert "left_undone" not in repr(kept)
     assert max(map(len, repr(kept).splitlines())) < 250
 

@@ -380,9 +380,9 @@ def tell_convergence(record: "Mapping[str, object]") -> None:
     if not isinstance(left, float) or not isinstance(tolerance, float):
         return
     say(
-        f"{record['major_cycles']} major cycles; one more would change the models of the sources by {left:.2g} times"
-        f" the noise (rms over the sources), and that of any one source by at most {record['left_undone_most']:.2g}"
-        " times"
+        f"{record['major_cycles']} major cycles; one more would change the model of a source by {left:.2g} times"
+        f" the noise (rms over all sources), and by at most {record['left_undone_most']:.2g} times the noise for any"
+        " single source"
     )
     if left > tolerance:
         warn(

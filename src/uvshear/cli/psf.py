@@ -144,8 +144,8 @@ def psf(
     is_weighted = bool(weightings) or not uv_range.is_everything
     if scale_length_arcsec is not None and not is_weighted:
         raise InputError(
-            f"--scale-length-arcsec {scale_length_arcsec:g}: natural weights lose no information;"
-            " a weighting or a uv range is needed"
+            f"--scale-length-arcsec {scale_length_arcsec:g}: sets the galaxy for which the loss of information is"
+            " shown, and natural weights lose none; leave it out, or give a weighting or a uv range"
         )
     disc = scale_length_arcsec or 1.0
 

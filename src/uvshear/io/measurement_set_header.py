@@ -216,7 +216,7 @@ def _choose_field(path: Path, main: tables.table, field: int | str | None) -> tu
     else:
         matching = [number for number, name in present.items() if field in (number, name)]
         if not matching:
-            raise InputError(f"{path}: no rows of field {field}; there are {listed}")
+            raise InputError(f"{path}: no rows of field {field}; the fields with rows are {listed}")
         chosen = matching[0]
     if present[chosen] is None:
         raise InputError(f"{path}: FIELD_ID {chosen} has no row in FIELD, and so no phase centre")
@@ -231,7 +231,7 @@ def check_scans(path: Path, scans: Sequence[int]) -> None:
             present |= set(np.unique(main.getcol("SCAN_NUMBER", start, ROWS_SCANNED)).tolist())
     if absent := sorted(set(scans) - present):
         known = ", ".join(str(scan) for scan in sorted(present))
-        raise InputError(f"{path}: no rows of scan {absent[0]}; there are {known}")
+        raise InputError(f"{path}: no rows of scan {absent[0]}; the scans with rows are {known}")
 
 
 def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCentre:

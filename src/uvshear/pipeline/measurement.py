@@ -203,8 +203,8 @@ def _course(record: Mapping[str, object]) -> list[str]:
     lines = []
     if left is not None:
         lines.append(
-            f"{cycles} major cycles; one more would change the models of the sources by {left} times the noise (rms),"
-            f" at most by {most} times"
+            f"{cycles} major cycles; one more would change the model of a source by {left} times the noise (rms over"
+            f" all sources), and by at most {most} times the noise for any single source"
         )
     if facts:
         lines.append(", ".join(f"{name} {value}" for name, value in facts.items()))
