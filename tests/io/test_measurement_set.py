@@ -213,7 +213,9 @@ def test_one_of_several_fields_is_chosen_by_number_or_name(path, rows):
         assert other.phase_centre.ra == 2.0
         for one, expected in zip(_all(other), everything, strict=True):
             np.testing.assert_array_equal(one, expected[rows])
-    with pytest.raises(InputError, match=r"no rows of field 5; the fields with rows are 0 \(simulated\), 1"):
+    with pytest.raises(
+        InputError, match=r"no rows of field 5; the fields with rows are 0 \(simulated\), 1"
+    ):
         MeasurementSet(path, field=5)
 
 

@@ -59,6 +59,6 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
         found.append(
             f"{name}: the noise is {ratio:.3g} times what the weights claim, judging by the scatter of neighbouring"
             " samples; all errors are wrong by this factor unless the weights are corrected, or the noise is taken from"
-            " the data (--noise data, scaled_to_its_noise)"
+            " the data (--noise data, or uvshear.scaled_to_its_noise in Python)"
         )
     return tuple(found)
