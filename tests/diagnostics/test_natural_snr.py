@@ -18,7 +18,7 @@ from uvshear.shapes.measurement import FitFlag, ShapeMeasurement
 def test_natural_norms_are_sums_over_every_visibility_for_unit_flux(beta):
     frequency = np.array([1.3e9, 1.5e9])
     uvw = random_baselines(600, 2e4, depth=0.0)
-    uvw[0] = 0.0
+    uvw[0] = 0.0, 0.0, 1.0
     weights = np.random.default_rng(2).uniform(0, 2, (600, 2))
     seen = Visibilities(uvw, frequency, np.zeros((600, 2), complex), weights)
     chunks = tuple(part(seen, rows) for rows in np.array_split(np.arange(600), 3))

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from tests.interferometer.chunks import CENTRE, chunk, observation
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.count_samples import SampleCountsAccumulator
@@ -13,6 +15,12 @@ def test_totals_are_over_all_chunks():
     assert total == chunk(1).counts + chunk(2).counts
 
 
-def test_there_is_no_total_where_nobody_has_counted():
-    data = VisibilitySet(CENTRE, (replace(chunk(1), counts=None),))
-    assert accumulate(data, [SampleCountsAccumulator()]) == (None,)
+def test_a_pass_counts_what_a_reader_has_not_counted():
+    seen = replace(chunk(1), counts=None)
+    (total,) = accumulate(VisibilitySet(CENTRE, (seen,)), [SampleCountsAccumulator()])
+    assert (total.rows, total.samples) == (len(seen), seen.weights.size)
+    assert total.usable == np.count_nonzero(seen.weights)
+
+
+def test_there_is_no_total_of_nothing():
+    assert SampleCountsAccumulator().result() is None

@@ -54,6 +54,28 @@ def shapes(measurement):
     return measurement.shapes
 
 
+def test_samples_that_cannot_be_right_change_nothing_and_are_told(field, shapes):
+    """Rows of a missing antenna, of a broken uvw, and of interference that no receiver can have."""
+    observation = field.observation
+    first = observation.blocks[0]
+    bad = replace(
+        first,
+        uvw=np.array([[0.0, 0.0, 0.0], [1e20, 5.0, 1.0], [np.nan, 1.0, 2.0], [300.0, 400.0, 10.0]]),
+        stokes_i=np.full((4, first.stokes_i.shape[1]), 1e30, np.complex64),
+        weights=np.full((4, first.weights.shape[1]), first.weights.max()),
+        integrations=None if first.integrations is None else first.integrations.select(slice(4)),
+    )
+    among = replace(observation, blocks=(*observation.blocks, bad))
+    with pytest.warns(DataWarning) as told:
+        found = measured(among, field.catalogue).shapes
+    texts = [str(warning.message) for warning in told]
+    channels = first.stokes_i.shape[1]
+    assert any(f"{3 * channels} of" in text and "have a UVW that is zero" in text for text in texts)
+    assert any(f"{channels} of" in text and "1e8 times their noise" in text for text in texts)
+    for name in shapes.colnames:
+        np.testing.assert_array_equal(found[name], shapes[name])
+
+
 def test_every_source_has_its_row_and_its_flag(shapes):
     assert shapes["id"].tolist() == [f"s{k}" for k in range(7)]
     assert shapes["flag"].tolist() == [

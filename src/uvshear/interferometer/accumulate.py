@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Generic, Self, TypeVar
 
 from uvshear.execution import SERIAL, Executor
+from uvshear.interferometer.screening import screened
 from uvshear.interferometer.visibilities import Observation, Visibilities
 
 Result_co = TypeVar("Result_co", covariant=True)
@@ -50,8 +51,11 @@ def show(
     accumulators: Sequence[Accumulator[Any]],
     executor: Executor = SERIAL,
 ) -> None:
-    """Add chunks to all accumulators in parallel, without asking for their results."""
-    for seen in chunks:
+    """Add chunks to all accumulators in parallel, without asking for their results.
+
+    Samples that cannot be right are left out (``screening``).
+    """
+    for seen in map(screened, chunks):
 
         def add(accumulator: Accumulator[Any], seen: Visibilities = seen) -> None:
             accumulator.add(seen)

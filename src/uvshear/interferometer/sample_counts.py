@@ -24,6 +24,12 @@ class SampleCounts:
         Samples without a flag that have a NaN or an infinity in data or weight.
     non_positive_weights
         Finite samples without a flag whose weight is zero or negative.
+    impossible_uvw
+        Samples with weight whose UVW is not finite, zero, or longer than any baseline.
+    impossible_times
+        Other samples with weight whose time or integration is not finite or negative.
+    impossible_amplitudes
+        Other samples with weight whose signal-to-noise ratio is larger than any.
     """
 
     rows: int = 0
@@ -33,6 +39,9 @@ class SampleCounts:
     flagged: int = 0
     non_finite: int = 0
     non_positive_weights: int = 0
+    impossible_uvw: int = 0
+    impossible_times: int = 0
+    impossible_amplitudes: int = 0
 
     @property
     def flagged_fraction(self) -> float:

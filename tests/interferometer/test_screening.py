@@ -1,0 +1,107 @@
+"""Samples that cannot be right are left out, and counted by reason."""
+
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.accumulate import accumulate
+from uvshear.interferometer.count_samples import SampleCountsAccumulator
+from uvshear.interferometer.sample_counts import SampleCounts
+from uvshear.interferometer.screening import screened
+from uvshear.interferometer.visibilities import Integrations, Visibilities, VisibilitySet
+
+ROWS, CHANNELS = 6, 3
+
+
+def _good():
+    rng = np.random.default_rng(1)
+    return Visibilities(
+        uvw=rng.uniform(100, 1000, (ROWS, 3)),
+        frequency=np.linspace(1e9, 1.1e9, CHANNELS),
+        stokes_i=rng.normal(size=(ROWS, CHANNELS)).astype(np.complex64),
+        weights=np.full((ROWS, CHANNELS), 1e8, np.float32),
+        integrations=Integrations(
+            np.tile([0, 1], (ROWS, 1)), np.arange(ROWS, dtype=float), np.full(ROWS, 10.0)
+        ),
+    )
+
+
+def _with(seen, name, row, value):
+    """The same samples with another value in a row of one array."""
+    owner = seen.integrations if name in ("time", "interval") else seen
+    array = getattr(owner, name).copy()
+    array[row] = value
+    changed = replace(owner, **{name: array})
+    return replace(seen, integrations=changed) if owner is not seen else changed
+
+
+def test_good_samples_stay_as_they_are():
+    good = _good()
+    seen = screened(good)
+    for name in ("uvw", "stokes_i", "weights"):
+        assert getattr(seen, name) is getattr(good, name)
+    assert seen.counts == SampleCounts(rows=6, samples=18, usable=18)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("uvw", 0.0, "impossible_uvw"),
+        ("uvw", 1e20, "impossible_uvw"),
+        ("uvw", np.nan, "impossible_uvw"),
+        ("uvw", -np.inf, "impossible_uvw"),
+        ("time", np.nan, "impossible_times"),
+        ("time", np.inf, "impossible_times"),
+        ("interval", np.nan, "impossible_times"),
+        ("interval", -1.0, "impossible_times"),
+        ("stokes_i", 1e30, "impossible_amplitudes"),
+        ("stokes_i", 1e-4 * 1.1e8, "impossible_amplitudes"),
+        ("stokes_i", np.nan, "non_finite"),
+        ("stokes_i", complex(0, np.inf), "non_finite"),
+        ("weights", np.nan, "non_finite"),
+        ("weights", np.inf, "non_finite"),
+        ("weights", -1.0, "non_positive_weights"),
+    ],
+)
+def test_a_row_that_cannot_be_right_is_left_out_and_counted(name, value, reason):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        seen = screened(_with(_good(), name, 2, value))
+    assert not seen.weights[2].any()
+    assert (np.delete(seen.weights, 2, axis=0) == 1e8).all()
+    assert seen.counts == SampleCounts(rows=6, samples=18, usable=15, **{reason: 3})
+    for array in (seen.uvw, seen.stokes_i, seen.weights):
+        assert np.isfinite(array).all()
+    assert np.isfinite(seen.integrations.time).all()
+    assert np.isfinite(seen.integrations.interval).all()
+    assert np.abs(seen.uvw).max() < 1e4
+
+
+def test_each_sample_counts_once():
+    bad = _good()
+    for name, value in (("uvw", 0.0), ("time", np.nan), ("stokes_i", 1e30)):
+        bad = _with(bad, name, 4, value)
+    assert screened(bad).counts == SampleCounts(rows=6, samples=18, usable=15, impossible_uvw=3)
+
+
+def test_samples_without_weight_are_nobodys_loss():
+    bad = _with(_with(_good(), "weights", 1, 0.0), "uvw", 1, np.nan)
+    seen = screened(bad)
+    assert seen.counts == SampleCounts(rows=6, samples=18, usable=15, flagged=3)
+    assert np.isfinite(seen.uvw).all()
+
+
+def test_what_a_reader_has_counted_stays():
+    known = SampleCounts(rows=6, autocorrelations=2, samples=18, usable=18, flagged=4)
+    seen = screened(_with(replace(_good(), counts=known), "uvw", 0, 0.0))
+    assert seen.counts == replace(known, usable=15, impossible_uvw=3)
+
+
+def test_every_pass_is_screened():
+    bad = _with(_good(), "uvw", 0, 1e20)
+    observation = VisibilitySet(PhaseCentre(0.0, 0.0), (bad, _good()))
+    (counts,) = accumulate(observation, [SampleCountsAccumulator()])
+    assert counts == SampleCounts(rows=12, samples=36, usable=33, impossible_uvw=3)
