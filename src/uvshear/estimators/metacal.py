@@ -118,18 +118,16 @@ def _differences(
     total: float,
     measure: _Measure,
 ) -> tuple[Float[Array, " 2"], Float[Array, "2 2"]] | None:
-    """Return the value of a galaxy and its derivatives with respect to the shear; None if every measurement failed.
-
-    A shear may make a measurement fail. Such a measurement counts as zeros: its failure is part of the response.
-    """
+    """Return the value of a galaxy and its derivatives with respect to the shear; None if any measurement failed."""
     # The round beam was made for a facet whose unit of flux may be another.
     unit = math.sqrt(total / beam.total)
     seen = beam.metacalibration.sheared_facets(facet.correlation / unit, noise)
     facets = [seen.unsheared, *seen.sheared[0], *seen.sheared[1]]
     found = [measure(sheared.in_other_unit(unit)) for sheared in facets]
-    if all(numbers is None for numbers in found):
+    measured = [numbers for numbers in found if numbers is not None]
+    if len(measured) < len(facets):
         return None
-    value, *moved = (np.zeros(2) if numbers is None else numbers for numbers in found)
+    value, *moved = measured
     slopes = [(up - down) / (2 * STEP) for up, down in (moved[:2], moved[2:])]
     return value, np.stack(slopes, axis=-1)
 
