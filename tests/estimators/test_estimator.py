@@ -15,7 +15,6 @@ from uvshear.estimators.metacal import Metacal
 from uvshear.estimators.moments import Moments
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.terms import Terms
-from uvshear.estimators.uncertainty import Jackknife
 from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.table_row import shape_values
 
@@ -105,6 +104,5 @@ def test_an_estimator_that_says_no_more_is_a_plain_ratio():
     assert shapes.learner is shapes
     assert shapes.trained(Sample({}, np.zeros(0)), 0j) is shapes
     assert shapes.statistic(source_facet()) == {}
-    assert shapes.uncertainty == Jackknife()
     assert shapes.record() == {}
     assert shapes.remark == ""

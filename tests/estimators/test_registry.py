@@ -111,7 +111,7 @@ def test_entry_points_do_not_take_the_place_of_the_packages_own(registered):
 
 def test_fields_of_an_estimator_are_configured():
     assert configured(Moments(), asked={"position_sigma": 1e-6}) == Moments(1e-6)
-    assert configured(Mean(), offered={"seed": 7, "position_sigma": 1e-6}) == Mean(seed=7)
+    assert configured(Metacal(), offered={"seed": 7, "position_sigma": 1e-6}) == Metacal(seed=7)
     own = Moments()
     assert configured(own) is own
 
@@ -136,7 +136,7 @@ def test_an_estimator_that_is_no_dataclass_has_no_fields():
 
 def test_fields_with_a_default_of_the_class_are_configured():
     @dataclass(frozen=True)
-    class Own(Mean):
+    class Own(Metacal):
         limit: float = 0.5
 
     assert configured(Own(), offered={"seed": 2}).seed == 2

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from uvshear.errors import InputError
-from uvshear.estimators import Mean, Moments
+from uvshear.estimators import Moments
 from uvshear.estimators.shear_estimate import ShearConditions
 from uvshear.io.bias_records import read_bias
 from uvshear.pipeline.shear import as_measurement, estimate_shear
@@ -27,10 +27,14 @@ def test_an_estimator_its_class_and_its_name_have_one_shear(kept):
     assert estimate_shear(kept, "mean").estimator == "mean"
 
 
-def test_the_seed_of_an_estimator_is_used(kept):
-    first, second = (estimate_shear(kept, Mean(seed=seed)) for seed in (1, 2))
-    assert first.g1 == second.g1
-    assert first.g1_err != second.g1_err
+def test_errors_are_those_of_the_patches(kept):
+    """Four sources are left out one by one, or in two halves of the field."""
+    single, halves = (estimate_shear(kept, patches=patches) for patches in (None, 2))
+    assert halves.g1 == single.g1
+    assert halves.g1_err != single.g1_err
+    assert estimate_shear(kept, patches=4).g1_err == pytest.approx(single.g1_err)
+    with pytest.raises(InputError, match="5 patches of the sky for 4 sources"):
+        estimate_shear(kept, patches=5)
 
 
 def test_cuts_and_masks_choose_the_sources(kept):
@@ -64,4 +68,4 @@ def test_a_bias_is_removed_from_memory_or_from_its_file(kept, tmp_path):
 def test_the_conditions_of_a_shear_are_known(kept):
     found = estimate_shear(kept, flux_min=0.9e-3)
     assert found.conditions == ShearConditions("mean", flux_min=0.9e-3)
-    assert found.seed == 1
+    assert found.seed is None

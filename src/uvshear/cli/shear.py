@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uvshear.cli.estimators import NAMES, PAPER, PRIOR_METAVAR, estimator_named
-from uvshear.cli.options import Overwrite, Seed, Threads, non_negative, provenance
+from uvshear.cli.options import Overwrite, Threads, non_negative, provenance
 from uvshear.cli.panels import DATA, METHOD, OUTPUT, GroupedCommand
 from uvshear.cli.terminal import notes_of_warnings, progress_bar, say, warn
 
@@ -68,7 +68,22 @@ def shear(
             " to these sources), or a JSON file.",
         ),
     ] = PAPER,
-    seed: Seed = 1,
+    patches: Annotated[
+        int | None,
+        typer.Option(
+            min=2,
+            rich_help_panel=METHOD,
+            help="Number of patches of the sky that the jackknife leaves out in turn for the standard errors, which"
+            " then include what neighbouring galaxies have in common; by default it leaves out single galaxies.",
+        ),
+    ] = None,
+    seed: Annotated[
+        int,
+        typer.Option(
+            min=0,
+            help="Seed for an estimator of your own that draws random numbers; the package's own draw none here.",
+        ),
+    ] = 1,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", rich_help_panel=OUTPUT, help="JSON file to write."),
@@ -93,6 +108,7 @@ def shear(
             method,
             snr_min=snr_min,
             flux_min=flux_min_ujy * MICROJANSKY,
+            patches=patches,
             correction=calibration,
             executor=in_processes(threads),
             progress=progress,

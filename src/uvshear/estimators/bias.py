@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from uvshear.estimators.shear_estimate import SKY, ShearConditions
+from uvshear.estimators.with_error import with_error
 from uvshear.typing import Array, Float
 
 
@@ -101,7 +102,7 @@ class Bias:
 
     def __str__(self) -> str:
         parts = [
-            f"{name}{i + 1} = {value[i]:+.5f} +- {error[i]:.5f}"
+            f"{name}{i + 1} = {with_error(value[i], error[i])}"
             for name, value, error in (("m", self.m, self.m_err), ("c", self.c, self.c_err))
             for i in (0, 1)
             if np.isfinite(value[i])

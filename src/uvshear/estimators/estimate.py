@@ -3,16 +3,18 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from uvshear.errors import InputError
 from uvshear.estimators.estimator import Estimator
 from uvshear.estimators.flux_bins import FLUX_BINS
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.shear_estimate import ShearEstimate
 from uvshear.estimators.terms import Terms, shear_in_field_frame
-from uvshear.estimators.uncertainty import ratio
+from uvshear.estimators.uncertainty import ratio, ratio_error
 from uvshear.execution import SERIAL, Executor
 from uvshear.progress import Meter
-from uvshear.typing import Array, Bool
+from uvshear.typing import Array, Bool, Int
 
 ROUNDS = 3
 """Iterations of the expansion about the estimate; the remaining error is of fourth order in that of the first."""
@@ -104,7 +106,10 @@ def _estimates(
             for each, expansion in zip(terms, about, strict=True)
         ]
         terms = _terms_about(estimator, members, about, executor, meter)
-    return [_estimate(estimator, each, g) for each, g in zip(terms, about, strict=True)]
+    return [
+        _estimate(estimator, each, g, group.patch)
+        for each, g, group in zip(terms, about, members, strict=True)
+    ]
 
 
 def _shear(terms: Terms, about: complex) -> complex:
@@ -113,12 +118,18 @@ def _shear(terms: Terms, about: complex) -> complex:
     return about if len(contributing) < LEAST else about + complex(*ratio(contributing))
 
 
-def _estimate(estimator: Estimator, terms: Terms, about: complex) -> ShearEstimate | None:
+def _estimate(
+    estimator: Estimator, terms: Terms, about: complex, patch: Int[Array, " source"] | None
+) -> ShearEstimate | None:
     contributing = terms.select(terms.tells)
     if len(contributing) < LEAST:
         return None
+    if patch is not None:
+        patch = patch[terms.tells]
+        if len(np.unique(patch)) < LEAST:
+            return None
     shear = about + complex(*ratio(contributing))
-    error = estimator.uncertainty.error(contributing)
+    error = ratio_error(contributing, patch)
     return ShearEstimate(
         g1=shear.real,
         g1_err=float(error[0]),

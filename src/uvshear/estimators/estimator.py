@@ -6,7 +6,6 @@ from typing import ClassVar, Self
 
 from uvshear.estimators.sample import Row, Sample
 from uvshear.estimators.terms import Terms
-from uvshear.estimators.uncertainty import Jackknife, Uncertainty
 from uvshear.progress import Meter
 from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
@@ -97,11 +96,6 @@ class Estimator(ABC):
         """
         del sample, about, meter
         return self
-
-    @property
-    def uncertainty(self) -> Uncertainty:
-        """The method by which standard errors are found."""
-        return Jackknife()
 
     def record(self) -> dict[str, object]:
         """Return the assumptions of the estimator, as names and values for a JSON file."""

@@ -7,7 +7,6 @@ import numpy as np
 from uvshear.estimators.estimator import Estimator
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.terms import Terms
-from uvshear.estimators.uncertainty import Bootstrap, Uncertainty
 from uvshear.typing import Array, Complex
 
 
@@ -19,13 +18,7 @@ class Mean(Estimator):
 
     Noise biases the mean: m is about -0.1 at signal-to-noise ratios of 10 and more (Rivi & Miller 2018, Table 2).
 
-    Parameters
-    ----------
-    seed
-        Seed of the bootstrap that gives the standard errors.
     """
-
-    seed: int = 1
 
     name = "mean"
     shape_columns = ("e1", "e2", "weight")
@@ -40,8 +33,3 @@ class Mean(Estimator):
         weight = np.asarray(sample["weight"], float)
         e = np.stack([sample["e1"], sample["e2"]], axis=-1)
         return Terms(e, np.broadcast_to(np.eye(2), (len(sample), 2, 2))).weighted(weight)
-
-    @property
-    def uncertainty(self) -> Uncertainty:
-        """A bootstrap of a thousand samples, as in Rivi & Miller 2018."""
-        return Bootstrap(seed=self.seed)

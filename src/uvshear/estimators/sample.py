@@ -24,10 +24,14 @@ class Sample:
     local_north
         Angle of local North at each source, from the m axis towards +l [rad] (``geometry.directions.local_north``). It
         rotates terms from the frame of (l, m) to that of the sky.
+    patch
+        Number of the patch of the sky of each source, by which the jackknife leaves sources out; None leaves them out
+        one by one.
     """
 
     columns: Mapping[str, Array]
     local_north: Float[Array, " source"]
+    patch: Int[Array, " source"] | None = None
 
     def __len__(self) -> int:
         return len(self.local_north)
@@ -38,7 +42,8 @@ class Sample:
     def select(self, chosen: Bool[Array, " source"] | Int[Array, " chosen"] | slice) -> Self:
         """Return the sources at an index, which is any one-dimensional index of numpy."""
         columns = {name: values[chosen] for name, values in self.columns.items()}
-        return type(self)(columns, self.local_north[chosen])
+        patch = None if self.patch is None else self.patch[chosen]
+        return type(self)(columns, self.local_north[chosen], patch)
 
     @classmethod
     def from_rows(cls, rows: Sequence[Mapping[str, object]]) -> Self:

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
+from uvshear.estimators.with_error import with_error
+
 SKY: Final = "sky"
 """Frame of local North at each source: g1 and g2 in TreeCorr's convention for (RA, Dec)."""
 
@@ -95,6 +97,6 @@ class ShearEstimate:
 
     def __str__(self) -> str:
         return (
-            f"g1 = {self.g1:+.5f} +- {self.g1_err:.5f}, g2 = {self.g2:+.5f} +- {self.g2_err:.5f}"
+            f"g1 = {with_error(self.g1, self.g1_err)}, g2 = {with_error(self.g2, self.g2_err)}"
             f" ({self.estimator}, {self.n} galaxies)"
         )

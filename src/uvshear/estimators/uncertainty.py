@@ -1,73 +1,9 @@
-"""Standard errors of a ratio of sums, from the scatter of its terms."""
-
-from abc import ABC, abstractmethod
-from dataclasses import dataclass
+"""A ratio of sums, and its standard errors by the jackknife, which leaves out sources or patches of the sky in turn."""
 
 import numpy as np
 
 from uvshear.estimators.terms import Terms
-from uvshear.typing import Array, Float
-
-
-class Uncertainty(ABC):
-    """A method of estimating the standard errors of a shear."""
-
-    @abstractmethod
-    def error(self, terms: Terms) -> Float[Array, " 2"]:
-        """Return the standard errors of both components of the ratio of sums."""
-
-
-@dataclass(frozen=True)
-class Jackknife(Uncertainty):
-    """Jackknife: blocks of sources are left out in turn.
-
-    Parameters
-    ----------
-    blocks
-        Number of blocks, to which sources are assigned in turn.
-    """
-
-    blocks: int = 100
-
-    def error(self, terms: Terms) -> Float[Array, " 2"]:
-        """Return the standard errors from the scatter of the estimates without each block."""
-        count = len(terms)
-        block = np.arange(count) % min(self.blocks, count)
-        value = np.stack([np.bincount(block, terms.value[:, i]) for i in (0, 1)], axis=-1)
-        response = np.stack(
-            [np.bincount(block, terms.response[:, i, j]) for i in (0, 1) for j in (0, 1)], axis=-1
-        ).reshape(-1, 2, 2)
-        total, slope = value.sum(axis=0), response.sum(axis=0)
-        left = np.linalg.solve(slope - response, (total - value)[..., None])[..., 0]
-        return jackknife_error(left)
-
-
-@dataclass(frozen=True)
-class Bootstrap(Uncertainty):
-    """Bootstrap: samples are drawn from the sources with replacement.
-
-    Parameters
-    ----------
-    resamples
-        Number of samples that are drawn.
-    seed
-        Seed of the random numbers.
-    """
-
-    resamples: int = 1000
-    seed: int = 1
-
-    def error(self, terms: Terms) -> Float[Array, " 2"]:
-        """Return the standard errors from the scatter of the estimates of the drawn samples."""
-        rng = np.random.default_rng(self.seed)
-        count = len(terms)
-        rows = np.concatenate([terms.value, terms.response.reshape(-1, 4)], axis=1)
-        sums = np.empty((self.resamples, rows.shape[1]))
-        for drawn in sums:
-            times = np.bincount(rng.integers(count, size=count), minlength=count)
-            drawn[:] = times @ rows
-        found = np.linalg.solve(sums[:, 2:].reshape(-1, 2, 2), sums[:, :2, None])[..., 0]
-        return found.std(axis=0, ddof=1)
+from uvshear.typing import Array, Float, Int
 
 
 def ratio(terms: Terms) -> Float[Array, " 2"]:
@@ -75,8 +11,38 @@ def ratio(terms: Terms) -> Float[Array, " 2"]:
     return np.linalg.solve(terms.response.sum(axis=0), terms.value.sum(axis=0))
 
 
-def jackknife_error(left: Float[Array, "block n"]) -> Float[Array, " n"]:
-    """Return the jackknife's standard errors from the estimates without each block in turn."""
+def ratio_error(terms: Terms, patch: Int[Array, " source"] | None = None) -> Float[Array, " 2"]:
+    """Return the jackknife's standard errors of both components of the ratio.
+
+    The order of the sources does not matter.
+
+    Parameters
+    ----------
+    patch
+        Number of the patch of the sky of each source. Patches are left out in turn; single sources unless given. With
+        patches the errors include what neighbouring sources have in common.
+    """
+    value, response = terms.value, terms.response.reshape(-1, 4)
+    if patch is not None:
+        patches, number = np.unique(patch, return_inverse=True)
+        value, response = (_sums(rows, number, len(patches)) for rows in (value, response))
+    left = np.linalg.solve(
+        (response.sum(axis=0) - response).reshape(-1, 2, 2),
+        (value.sum(axis=0) - value)[..., None],
+    )[..., 0]
+    return jackknife_error(left)
+
+
+def _sums(
+    rows: Float[Array, "source n"], number: Int[Array, " source"], count: int
+) -> Float[Array, "patch n"]:
+    sums = np.zeros((count, rows.shape[1]))
+    np.add.at(sums, number, rows)
+    return sums
+
+
+def jackknife_error(left: Float[Array, "part n"]) -> Float[Array, " n"]:
+    """Return the jackknife's standard errors from the estimates without each part in turn."""
     count = len(left)
     error: Float[Array, " n"] = np.sqrt(
         (count - 1) / count * np.sum((left - left.mean(axis=0)) ** 2, axis=0)

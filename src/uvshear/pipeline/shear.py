@@ -9,11 +9,12 @@ from astropy.table import Table
 from uvshear.errors import InputError
 from uvshear.estimators import Bias, ShearEstimate, estimate_sample_shear, estimator_of
 from uvshear.estimators.bias_removal import check_removable, remove_bias
+from uvshear.estimators.patches import sky_patches
 from uvshear.estimators.registry import EstimatorLike
 from uvshear.estimators.shear_estimate import ShearConditions
 from uvshear.execution import SERIAL, Executor
 from uvshear.io.bias_records import read_bias
-from uvshear.io.shapes import averages_cells, extraction_record
+from uvshear.io.shapes import averages_cells, extraction_record, inside
 from uvshear.pipeline.measurement import Measurement, read_measurement
 from uvshear.pipeline.sample import sample_of, selected
 from uvshear.progress import Meter, Progress
@@ -30,6 +31,7 @@ def estimate_shear(
     snr_min: float = 0.0,
     flux_min: float = 0.0,
     where: Array | None = None,
+    patches: int | None = None,
     correction: Bias | str | Path | None = None,
     executor: Executor = SERIAL,
     progress: Progress | None = None,
@@ -48,6 +50,9 @@ def estimate_shear(
         Catalogue's flux below which sources are left out [Jy]: a cut on which shear and noise have no influence.
     where
         Sources to use: a boolean for each row of the shapes.
+    patches
+        Number of patches of the sky that the jackknife leaves out in turn for the standard errors; it leaves out single
+        sources unless given.
     correction
         Simulated bias that is removed, or its file. It must come from the same estimator and the same cuts.
 
@@ -72,6 +77,9 @@ def estimate_shear(
         check_removable(bias, conditions, name)
     chosen = selected(known.shapes, snr_min=snr_min, flux_min=flux_min, where=where)
     sample = sample_of(known, method).select(chosen)
+    if patches is not None:
+        l, m = (inside(known.shapes, name)[chosen] for name in ("l", "m"))
+        sample = replace(sample, patch=sky_patches(l, m, patches))
     found = estimate_sample_shear(method, sample, executor, Meter(progress))
     found = replace(found, seed=getattr(method, "seed", None), conditions=conditions)
     return found if bias is None else replace(remove_bias(bias, found), correction=name)
