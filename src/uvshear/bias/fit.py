@@ -92,7 +92,8 @@ def _fit(
     values = sums.values[sums.is_told]
     if len(values) < LEAST_BLOCKS:
         raise InputError(
-            f"{name}: {sums.n} galaxies in {len(values)} blocks are too few for an error; more galaxies are needed"
+            f"{name}: {sums.n} galaxies in {len(values)} blocks are too few to estimate a standard error; more"
+            " galaxies are needed"
         )
     g = np.array([[shear.real, shear.imag] for shear in shears])
     length = np.sum(g**2, axis=0)

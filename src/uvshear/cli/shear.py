@@ -73,15 +73,17 @@ def shear(
         typer.Option(
             min=2,
             rich_help_panel=METHOD,
-            help="Number of patches of the sky that the jackknife leaves out in turn for the standard errors, which"
-            " then include what neighbouring galaxies have in common; by default it leaves out single galaxies.",
+            help="Number of patches of the sky for the jackknife, which leaves out one at a time; the standard"
+            " errors then include correlations between neighbouring galaxies. By default it leaves out single"
+            " galaxies.",
         ),
     ] = None,
     seed: Annotated[
         int,
         typer.Option(
             min=0,
-            help="Seed for an estimator of your own that draws random numbers; the package's own draw none here.",
+            help="Seed for an estimator of your own that draws random numbers; the estimators of the package use"
+            " none here.",
         ),
     ] = 1,
     output: Annotated[

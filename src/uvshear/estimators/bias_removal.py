@@ -73,7 +73,8 @@ def check_removable(bias: Bias, own: ShearConditions, name: str = "the bias") ->
         warnings.warn(
             f"{name}: the simulated galaxies were selected by the signal-to-noise ratio of their catalogue flux,"
             " but the measured ones by their fitted signal-to-noise ratio, which shear and noise change; simulate"
-            " with `--selection measured`, or select by flux (`--flux-min-ujy`), which does not change m",
+            " with `--selection measured`, or cut the measured galaxies by flux (`--flux-min-ujy`), which does not"
+            " bias the shear",
             DataWarning,
             stacklevel=3,
         )
@@ -93,8 +94,8 @@ def _refuse_what_is_not_measured(simulation: BiasSimulation, name: str) -> None:
         )
     if simulation.position_sigma > 0:
         raise InputError(
-            f"{name}: was simulated with `--position-error-arcsec`, for which the statistics of a measurement make no"
-            " allowance"
+            f"{name}: was simulated with `--position-error-arcsec`, but the statistics of `measure --keep` are not"
+            " corrected for position errors"
         )
 
 

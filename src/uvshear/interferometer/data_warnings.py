@@ -52,7 +52,10 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
             (counts.non_finite, "are NaN or infinite, in data or weight,"),
             (counts.non_positive_weights, "have a weight of zero or less"),
             (counts.impossible_uvw, "have a UVW that is zero, not finite or longer than 1e9 m,"),
-            (counts.impossible_times, "have a time or integration that is not finite or negative"),
+            (
+                counts.impossible_times,
+                "have a time or integration that is negative, NaN or infinite",
+            ),
             (counts.impossible_amplitudes, "are more than 1e8 times their noise"),
         )
         if number

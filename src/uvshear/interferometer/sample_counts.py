@@ -27,7 +27,7 @@ class SampleCounts:
     impossible_uvw
         Samples with weight whose UVW is not finite, zero, or longer than any baseline.
     impossible_times
-        Other samples with weight whose time or integration is not finite or negative.
+        Other samples with weight whose time or integration is negative or not finite.
     impossible_amplitudes
         Other samples with weight whose signal-to-noise ratio is larger than any.
     """

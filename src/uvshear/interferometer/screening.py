@@ -21,7 +21,7 @@ def screened(seen: Visibilities) -> Visibilities:
     """Return the samples with a weight of 0 where they cannot be right, and with the numbers of these by reason.
 
     Rows are left out whose UVW is not finite, zero (as writers store it for missing antennas) or impossibly long, or
-    whose time or integration is not finite or negative. Samples are left out that are not finite, or impossibly large.
+    whose time or integration is negative or not finite. Samples are left out that are not finite, or impossibly large.
     """
     counts = seen.counts or _counted(seen)
     has_weight = seen.weights > 0
