@@ -45,7 +45,7 @@ def info(
     """Summarise a Measurement Set.
 
     The summary lists the array, fields, frequencies, flags and baselines, and says whether the weights match the
-    noise. With --field it is that of one field.
+    noise. With --field it covers only that field.
     """
     from uvshear.io.observations import inspect
 
