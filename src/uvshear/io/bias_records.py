@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -83,12 +84,8 @@ def read_bias(path: str | Path) -> Bias:
         for row in (rows if isinstance(rows, list) else [])
         if isinstance(row, dict) and "flux" in row
     )
-    total = _bias(path, record, "all", sign)
-    return Bias(
-        **{name: getattr(total, name) for name in ("name", "m", "m_err", "c", "c_err")},
-        response=total.response,
-        n=total.n,
-        failed=total.failed,
+    return replace(
+        _bias(path, record, "all", sign),
         bins=bins,
         frame=SKY if frame is None else str(frame),
         simulation=_simulation(path, record),
