@@ -91,6 +91,7 @@ def measure(
     field = field_of_catalogue(
         sources, seen.phase_centre, first.summary, options.model, options.method
     )
+    field = options.method.extraction.within_reach(field)
     extracted = _extract(seen, field, first, options, progress)
     shapes = tabulate_shapes(sources, field, extracted, seen.phase_centre, options.model)
     made = Provenance("uvshear.measure", (*paths_of(observation), *_path_of(catalogue)))

@@ -138,7 +138,7 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
     def add_block(self, samples: Samples) -> None:
         """Subtract the models, image the residual and cut out the facets, band by band."""
         plan, sky, gridding = self._plan, self._sky, self._gridding
-        number = plan.band_of(samples.uv_distance)
+        number = plan.band_of(samples.uvw)
         coarser: list[Float[Array, "l m"]] = []
         for b in range(len(plan.bands) - 1, plan.top - 1, -1):
             band, tiles = plan.bands[b], plan.tiles[b]
