@@ -10,7 +10,7 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.count_samples import SampleCountsAccumulator
 from uvshear.interferometer.sample_counts import SampleCounts
-from uvshear.interferometer.screening import screened
+from uvshear.interferometer.screening import screened, screened_chunks
 from uvshear.interferometer.visibilities import Integrations, Visibilities, VisibilitySet
 
 ROWS, CHANNELS = 6, 3
@@ -78,6 +78,22 @@ def test_a_row_that_cannot_be_right_is_left_out_and_counted(name, value, reason)
     assert np.isfinite(seen.integrations.time).all()
     assert np.isfinite(seen.integrations.interval).all()
     assert np.abs(seen.uvw).max() < 1e4
+
+
+def test_the_length_of_the_array_limits_the_baselines():
+    good = _good()
+    second, longest = np.sort(np.linalg.norm(good.uvw, axis=1))[-2:].tolist()
+    for limit, expected in ((longest, 0), ((second + longest) / 2, CHANNELS)):
+        seen = screened(replace(good, longest_baseline=limit))
+        assert seen.counts.impossible_uvw == expected
+
+
+def test_chunks_can_be_read_without_the_samples_that_cannot_be_right():
+    observation = VisibilitySet(PhaseCentre(0.0, 0.0), (_with(_good(), "uvw", 0, np.nan), _good()))
+    first, second = screened_chunks(observation)
+    assert (first.weights[0] == 0).all()
+    assert np.isfinite(first.uvw).all()
+    assert (second.weights > 0).all()
 
 
 def test_each_sample_counts_once():

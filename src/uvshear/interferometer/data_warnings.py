@@ -51,7 +51,10 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
         for number, state in (
             (counts.non_finite, "are NaN or infinite, in data or weight,"),
             (counts.non_positive_weights, "have a weight of zero or less"),
-            (counts.impossible_uvw, "have a UVW that is zero, not finite or longer than 1e9 m,"),
+            (
+                counts.impossible_uvw,
+                "have a UVW that is zero, not finite or longer than the array,",
+            ),
             (
                 counts.impossible_times,
                 "have a time or integration that is negative, NaN or infinite",

@@ -11,6 +11,7 @@ from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.accumulate import Accumulator, accumulate
 from uvshear.interferometer.origin import Origin, origin_of, parts_of
+from uvshear.interferometer.screening import screened_chunks
 from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.typing import Array, Float
 
@@ -109,7 +110,7 @@ class ScaledObservation:
 
     def chunks(self) -> Iterator[Visibilities]:
         """Read everything once."""
-        for chunk in self.observation.chunks():
+        for chunk in screened_chunks(self.observation):
             weights = (chunk.weights / self.noise**2).astype(chunk.weights.dtype)
             yield replace(chunk, weights=weights)
 

@@ -25,7 +25,7 @@ class SampleCounts:
     non_positive_weights
         Finite samples without a flag whose weight is zero or negative.
     impossible_uvw
-        Samples with weight whose UVW is not finite, zero, or longer than any baseline.
+        Samples with weight whose UVW is not finite, zero, or longer than any baseline of the array.
     impossible_times
         Other samples with weight whose time or integration is negative or not finite.
     impossible_amplitudes

@@ -1,16 +1,18 @@
 """Samples that cannot be right are left out of every pass, and counted by reason."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from uvshear.interferometer.sample_counts import SampleCounts
-from uvshear.interferometer.visibilities import Integrations, Visibilities
+from uvshear.interferometer.visibilities import Integrations, Observation, Visibilities
 from uvshear.typing import Array, Bool
 
 LONGEST_BASELINE: Final = 1e9
-"""Length beyond which a baseline cannot be real [m]: more than twice the distance of the Moon."""
+"""Length beyond which a baseline cannot be real, if that of the array is not known [m]: more than twice the distance of
+the Moon."""
 
 LARGEST_SNR: Final = 1e8
 """Signal-to-noise ratio beyond which a single visibility cannot be real. Squares of larger ones overflow in single
@@ -20,8 +22,9 @@ precision."""
 def screened(seen: Visibilities) -> Visibilities:
     """Return the samples with a weight of 0 where they cannot be right, and with the numbers of these by reason.
 
-    Rows are left out whose UVW is not finite, zero (as writers store it for missing antennas) or impossibly long, or
-    whose time or integration is negative or not finite. Samples are left out that are not finite, or impossibly large.
+    Rows are left out whose UVW is not finite, zero (as writers store it for missing antennas) or longer than the array,
+    or whose time or integration is negative or not finite. Samples are left out that are not finite, or impossibly
+    large.
     """
     counts = seen.counts or _counted(seen)
     has_weight = seen.weights > 0
@@ -55,10 +58,16 @@ def screened(seen: Visibilities) -> Visibilities:
     )
 
 
+def screened_chunks(observation: Observation) -> Iterator[Visibilities]:
+    """Read everything once, without the samples that cannot be right."""
+    return map(screened, observation.chunks())
+
+
 def _wrong_places(seen: Visibilities) -> Bool[Array, " row"]:
     with np.errstate(all="ignore"):
         length = np.sqrt(np.sum(seen.uvw**2, axis=1))
-    return ~((length > 0) & (length < LONGEST_BASELINE))
+    longest = LONGEST_BASELINE if seen.longest_baseline is None else seen.longest_baseline
+    return ~((length > 0) & (length <= longest))
 
 
 def _wrong_times(seen: Visibilities) -> Bool[Array, " row"]:

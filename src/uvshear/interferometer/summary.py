@@ -110,7 +110,8 @@ class SummaryAccumulator(Accumulator[ObservationSummary]):
         """
         if self._probes is None:
             raise InputError(
-                "no visibility carries weight: all are flagged, or their weights are zero"
+                "no visibility carries weight: all are flagged, without a positive weight, or cannot be right"
+                " (uvshear info tells how many, and why)"
             )
         return ObservationSummary(
             self._rows,

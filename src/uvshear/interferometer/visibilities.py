@@ -56,6 +56,8 @@ class Visibilities:
     counts
         Numbers of samples of the block that were used and that were left out, by reason; None where the reader has not
         counted.
+    longest_baseline
+        Length that no baseline of the array exceeds [m]; None where the reader does not know it.
     """
 
     uvw: Float[Array, "row 3"]
@@ -65,6 +67,7 @@ class Visibilities:
     width: Float[Array, " chan"] | None = None
     integrations: Integrations | None = None
     counts: SampleCounts | None = None
+    longest_baseline: float | None = None
 
     def __len__(self) -> int:
         return len(self.uvw)
