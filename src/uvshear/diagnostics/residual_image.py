@@ -323,7 +323,7 @@ def _tiled(sky: ModelledSky, shortest: float, longest: float, gridding: Gridding
     seen = longest_seen(some, slope)
     bands = octaves(shortest, float(seen.max(initial=longest)), span)
     limits = half_widths_of_bands(some, numbers_of_bands(bands, seen), len(bands), radius)
-    tiles = plan_tiles(footprint, bands[0].pixel, len(bands), limits)
+    tiles = plan_tiles(footprint, bands[0].pixel, len(bands), half_widths=limits)
 
     def predict(samples: Samples) -> Complex[Array, " sample"]:
         model = np.zeros(len(samples), np.complex64)

@@ -72,7 +72,11 @@ class Footprint:
 
 
 def plan_tiles(
-    footprint: Footprint, pixel: float, bands: int, half_widths: Sequence[float] | None = None
+    footprint: Footprint,
+    pixel: float,
+    bands: int,
+    core: int = CORE,
+    half_widths: Sequence[float] | None = None,
 ) -> tuple[tuple[Tile, ...], ...]:
     """Plan the tiles of each band, beginning with the finest; parts of the sky without sources have none.
 
@@ -84,10 +88,12 @@ def plan_tiles(
         Width of the pixels of the finest band [rad].
     bands
         Number of bands.
+    core
+        Largest number of pixels of the finest band that a tile covers along a side, without its margins.
     half_widths
         Half of the width that a tile of each band may have without its margins [rad]; no limit unless given.
     """
-    widest = min(CORE * pixel, 2 * min(half_widths or [math.inf]))
+    widest = min(core * pixel, 2 * min(half_widths or [math.inf]))
     boxes, box = _boxes(footprint, widest)
     joined = _joined(half_widths or [math.inf] * bands, box)
     plans: list[tuple[Tile, ...]] = []
