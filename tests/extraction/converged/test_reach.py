@@ -56,7 +56,7 @@ def _error(field, source):
     lm = np.column_stack([field.l, field.m])[field.modelled]
     width = np.full(len(lm), 64 / used.finest)
     requests = FacetRequests(*lm.T, width, used.uv_max)
-    plan = plan_major_cycle(requests, 0.0, used.longest, used.finest, samples.uvw)
+    plan = plan_major_cycle(requests, 0.0, used.longest, used.finest, baselines=samples.uvw)
     sky = field.sky.select(field.modelled)
     only = galaxies(sky.l, sky.m, np.eye(len(sky))[source], sky.scale_length, beta=0)
     modelled = ModelledSky(only, width / 2, Response.from_sky(only), Exponential())
