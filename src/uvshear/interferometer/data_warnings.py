@@ -59,6 +59,11 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
                 counts.impossible_times,
                 "have a time or integration that is negative, NaN or infinite",
             ),
+            (
+                counts.impossible_channels,
+                "have a frequency or a channel width that no radio telescope has",
+            ),
+            (counts.impossible_weights, "have more than a million times the weight of the others"),
             (counts.impossible_amplitudes, "are more than 1e8 times their noise"),
         )
         if number

@@ -58,6 +58,8 @@ class Visibilities:
         counted.
     longest_baseline
         Length that no baseline of the array exceeds [m]; None where the reader does not know it.
+    is_screened
+        Whether samples that cannot be right have been left out (``screening``).
     """
 
     uvw: Float[Array, "row 3"]
@@ -68,6 +70,7 @@ class Visibilities:
     integrations: Integrations | None = None
     counts: SampleCounts | None = None
     longest_baseline: float | None = None
+    is_screened: bool = False
 
     def __len__(self) -> int:
         return len(self.uvw)

@@ -6,6 +6,8 @@ from typing import Final
 import numpy as np
 from casacore import tables
 
+from uvshear.interferometer.primary_beam import LARGEST_DISH
+from uvshear.interferometer.screening import LONGEST_BASELINE
 from uvshear.typing import Array, Float
 
 ROWS_COMPARED: Final = 256
@@ -30,15 +32,16 @@ def longest_baseline(path: Path, main: tables.table) -> float | None:
     first, second = (np.asarray(chosen.getcol(name), int) for name in ("ANTENNA1", "ANTENNA2"))
     uvw = np.asarray(chosen.getcol("UVW"), float)
     known = (np.minimum(first, second) >= 0) & (np.maximum(first, second) < len(positions))
-    apart = np.linalg.norm(positions[first[known]] - positions[second[known]], axis=1)
     with np.errstate(all="ignore"):
+        apart = np.linalg.norm(positions[first[known]] - positions[second[known]], axis=1)
         ratio = np.linalg.norm(uvw[known], axis=1)[apart > 0] / apart[apart > 0]
         agrees = np.abs(ratio - 1) < TOLERANCE
     if np.count_nonzero(agrees) <= len(agrees) / 2:
         return None
-    placed = positions[np.isfinite(positions).all(axis=1) & positions.any(axis=1)]
+    real = (np.abs(positions) < LONGEST_BASELINE).all(axis=1)
+    placed = positions[real & positions.any(axis=1)]
     extent = max(float(np.linalg.norm(placed - place, axis=1).max()) for place in placed)
-    dish = float(np.max(diameters, initial=0.0, where=np.isfinite(diameters)))
+    dish = float(np.max(diameters, initial=0.0, where=diameters < LARGEST_DISH))
     return (1 + TOLERANCE) * extent + dish
 
 

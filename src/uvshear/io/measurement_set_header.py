@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from casacore import tables
 
-from uvshear.constants import ARCSEC
+from uvshear.constants import ARCSEC, RADIO_FREQUENCIES
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre, separation
 from uvshear.interferometer.dishes import SAME_POINTING
@@ -321,7 +321,8 @@ def _averaged(spectral: tables.table, window: int, channels: Channels) -> Float[
     if column not in spectral.colnames() or not spectral.iscelldefined(column, window):
         return channels.width
     averaged = np.abs(np.asarray(spectral.getcell(column, window), float))
-    usable = averaged.shape == channels.width.shape and bool(np.isfinite(averaged).all())
+    is_credible = averaged <= RADIO_FREQUENCIES[1]
+    usable = averaged.shape == channels.width.shape and bool(is_credible.all())
     return averaged if usable else channels.width
 
 

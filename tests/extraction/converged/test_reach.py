@@ -1,5 +1,7 @@
 """Sources far from the phase centre: predicted as by the direct sum, or out of reach."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from tests.skies import galaxies, random_baselines
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.extraction.converged.baselines import Baselines
 from uvshear.extraction.converged.plan import FacetRequests, plan_major_cycle
-from uvshear.extraction.converged.reach import out_of_reach
+from uvshear.extraction.converged.reach import out_of_reach, too_large
 from uvshear.extraction.field import Field
 from uvshear.galaxy import Exponential, SizePrior
 from uvshear.interferometer.samples import Samples
@@ -109,3 +111,16 @@ def test_a_narrow_field_is_all_within_reach_and_keeps_its_pixels():
     used = Baselines.from_field(field, np.full(4, True), 0.0)
     at_centre = Baselines.from_field(_field(2e5, 1.0, [0.0]), np.full(1, True), 0.0)
     assert used.finest == at_centre.finest
+
+
+def test_a_source_is_too_large_where_its_image_would_be():
+    field = _field(2e5, 1.0, [0.1, 0.3, 0.6, 1.0])
+    assert not too_large(field, 2e5, 45.0).any()
+    # 8192 pixels of 1/(2.4 longest) over 45 scale lengths
+    limit = 8192 / 45 / (2.4 * 2e5)
+    medians = np.array([0.99, 1.01, 1e4, 1e4]) * limit
+    flags = np.full(4, FitFlag.OK, dtype=object)
+    flags[3] = FitFlag.POINT_SOURCE
+    sizes = SizePrior(np.log(medians), np.full(4, 0.3))
+    giants = replace(field, size=sizes, flags=flags)
+    np.testing.assert_array_equal(too_large(giants, 2e5, 45.0), [False, True, True, False])

@@ -26,7 +26,7 @@ from uvshear.extraction.converged.major_cycle import first_major_cycle, next_maj
 from uvshear.extraction.converged.minor_cycle import run_minor_cycle
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.planner import Planner
-from uvshear.extraction.converged.reach import out_of_reach
+from uvshear.extraction.converged.reach import out_of_reach, too_large
 from uvshear.extraction.converged.release import release
 from uvshear.extraction.converged.shapes import measure_shapes
 from uvshear.extraction.converged.sky_state import SkyState
@@ -89,12 +89,13 @@ class ConvergedExtraction(Extraction):
     shortest: float | None = None
 
     def within_reach(self, field: Field) -> Field:
-        """Return the field with a flag for sources too far from the phase centre for images (``converged.reach``)."""
+        """Return the field with a flag for sources that images do not represent (``converged.reach``)."""
         if len(field.modelled) == 0:
             return field
         is_galaxy = field.flags[field.modelled] == FitFlag.OK
         longest = Baselines.from_field(field, is_galaxy, self.shortest).longest
-        return field.without(out_of_reach(field, longest), FitFlag.OUTSIDE_FIELD)
+        near = field.without(out_of_reach(field, longest), FitFlag.OUTSIDE_FIELD)
+        return near.without(too_large(near, longest, self.scale_lengths), FitFlag.TOO_LARGE)
 
     def extract(
         self,

@@ -1,4 +1,4 @@
-"""Sources so far from the phase centre that images in (l, m) do not represent them."""
+"""Sources that images in (l, m) do not represent: too far from the phase centre, or too large."""
 
 import math
 
@@ -7,6 +7,7 @@ import numpy as np
 from uvshear.extraction.field import Field
 from uvshear.imaging.bands import OVERSAMPLING, longest_seen, steepest
 from uvshear.imaging.curvature import half_width_within
+from uvshear.shapes.measurement import FitFlag
 from uvshear.typing import Array, Bool, Float
 
 MOST_STRETCHED = 1.5
@@ -19,6 +20,9 @@ NEGLIGIBLE = 1.02
 STAMP = 2
 """Distance around a source in pixels, up to which the curvature of n must be that of its tile. Errors of the prediction
 are then below 5e-4; with half of this distance they reach 4e-3."""
+
+WIDEST_STAMP = 8192
+"""Largest width of the image of a source [finest pixels]: 256 MB."""
 
 
 def used_baselines(field: Field, longest: float) -> Float[Array, "sample 3"]:
@@ -49,3 +53,20 @@ def out_of_reach(field: Field, longest: float) -> Bool[Array, " source"]:
         is_stretched = stretch(uvw, slope, longest) > MOST_STRETCHED
         far.append(is_stretched or half_width_within(math.hypot(l, m), w) < needed)
     return np.array(far, bool)
+
+
+def too_large(field: Field, longest: float, scale_lengths: float) -> Bool[Array, " source"]:
+    """Tell which modelled sources are too large to be drawn to this number of scale lengths.
+
+    Parameters
+    ----------
+    field
+        The field.
+    longest
+        Longest baseline that is used [wavelengths].
+    scale_lengths
+        Width of the image of a source over the median of the prior on its scale length.
+    """
+    width = scale_lengths * np.exp(field.size.log_median[field.modelled])
+    is_galaxy = field.flags[field.modelled] == FitFlag.OK
+    return is_galaxy & (width * 2 * OVERSAMPLING * longest > WIDEST_STAMP)
