@@ -93,7 +93,7 @@ class ConvergedExtraction(Extraction):
         if len(field.modelled) == 0:
             return field
         is_galaxy = field.flags[field.modelled] == FitFlag.OK
-        longest = Baselines.from_field(field, is_galaxy, self.shortest).longest
+        longest = Baselines.from_field(field, is_galaxy, 0.0).longest
         near = field.without(out_of_reach(field, longest), FitFlag.OUTSIDE_FIELD)
         return near.without(too_large(near, longest, self.scale_lengths), FitFlag.TOO_LARGE)
 
@@ -117,7 +117,9 @@ class ConvergedExtraction(Extraction):
     ) -> Extracted:
         executor, centre = setting.resources.executor, observation.phase_centre
         modelled = ModelledField.from_field(field, setting.model, centre.dec)
-        baselines = Baselines.from_field(field, modelled.is_galaxy, self.shortest)
+        baselines = Baselines.from_field(
+            field, modelled.is_galaxy, self.shortest, setting.model.profile
+        )
         planner = Planner.from_field(modelled, baselines, self.scale_lengths)
         gridding = Gridding(self._epsilon(field), block_of(setting.resources.memory), executor)
         on_fit, on_shape, on_statistics = (
