@@ -21,7 +21,7 @@ from tests.pipeline.fields import (
 )
 from tests.skies import galaxies, vla
 from uvshear.constants import ARCSEC
-from uvshear.errors import DataWarning, InputError
+from uvshear.errors import DataWarning, InputError, NothingMeasuredWarning
 from uvshear.execution import Resources, Serial, Threads
 from uvshear.extraction import ConvergedExtraction, PaperExtraction
 from uvshear.extraction.paper.cell_average import CellAverageFacets
@@ -190,7 +190,10 @@ def test_a_field_of_point_sources_alone_has_no_shapes(field):
 
 def test_a_uv_range_without_data_is_flagged(field):
     method = replace(METHOD, uv_range=UvRange(1e3, 1.001e3))
-    table = measured(field.observation, field.catalogue.select(np.array([0])), method=method).shapes
+    with pytest.warns(NothingMeasuredWarning, match="no_data"):
+        table = measured(
+            field.observation, field.catalogue.select(np.array([0])), method=method
+        ).shapes
     assert table["flag"].tolist() == ["no_data"]
 
 
@@ -258,7 +261,8 @@ def test_a_catalogue_off_by_an_arcsecond_is_corrected_by_the_offset(field):
 
 def test_the_phase_centre_of_the_observation_is_that_of_the_directions(field):
     moved = replace(field.observation, phase_centre=PhaseCentre(1.0 + 1e-3, np.radians(40.0)))
-    table = measured(moved, field.catalogue.select(np.array([0]))).shapes
+    with pytest.warns(NothingMeasuredWarning, match="off_position"):
+        table = measured(moved, field.catalogue.select(np.array([0]))).shapes
     assert table["l"][0] == pytest.approx(-1e-3 * np.cos(np.radians(40)), rel=1e-4)
 
 

@@ -1,6 +1,7 @@
 """``uvshear measure``: shapes of the galaxies of a catalogue."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
+import warnings
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -41,7 +42,7 @@ from uvshear.cli.weightings import (
     WeightName,
     WeightOption,
 )
-from uvshear.errors import InputError
+from uvshear.errors import InputError, NothingMeasuredWarning
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -278,6 +279,7 @@ def measure(
     from uvshear.io.catalogue import read_catalogue
     from uvshear.pipeline.measure import measure as measure_sources
     from uvshear.pipeline.measurement import check_outputs
+    from uvshear.pipeline.outcome import tally, why_none_was_measured
 
     check_outputs(output, overwrite=overwrite, inputs=(catalogue,))
     if residual_image is not None:
@@ -319,6 +321,8 @@ def measure(
         smears=smearing,
     )
     with notes_of_warnings(), progress_bar("measuring") as progress:
+        # It becomes the error with which the command ends.
+        warnings.simplefilter("ignore", NothingMeasuredWarning)
         measurement = measure_sources(
             observation,
             sources,
@@ -330,9 +334,9 @@ def measure(
         )
     made = provenance(context, *measurement_sets, catalogue)
     measurement.with_provenance(made).write(output, overwrite=overwrite)
-    shapes = measurement.shapes
-    measured = sum(flag == "ok" for flag in shapes["flag"])
-    say(f"{output}: {measured} of {len(shapes)} sources measured")
+    say(f"{output}: {tally(measurement.shapes)}")
+    if cause := why_none_was_measured(measurement.shapes):
+        raise InputError(f"{output}: no galaxy was measured: {cause}")
     tell_convergence(measurement.record)
     if residual_image is not None:
         from uvshear.io.images import write_residual_image

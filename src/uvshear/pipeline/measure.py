@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from uvshear.diagnostics.natural_snr import with_natural_snr
-from uvshear.errors import DataWarning, InputError
+from uvshear.errors import DataWarning, InputError, NothingMeasuredWarning
 from uvshear.estimators.registry import EstimatorLike, estimators_of
 from uvshear.execution import Resources
 from uvshear.extraction import Extracted, Field, MeasurementOptions, Method, Model
@@ -31,6 +31,7 @@ from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
 from uvshear.pipeline.field import field_of_catalogue
 from uvshear.pipeline.measurement import MeasuredField, Measurement
 from uvshear.pipeline.observation import ObservationLike, observation_of, paths_of
+from uvshear.pipeline.outcome import check_field, why_none_was_measured
 from uvshear.pipeline.tabulate import catalogue_of_sky, tabulate_shapes
 from uvshear.predict.response import Response
 from uvshear.progress import Progress
@@ -75,7 +76,8 @@ def measure(
     Warns
     -----
     DataWarning
-        There is a problem in the data; warnings are issued before the work starts.
+        There is a problem in the data, which is told before the work starts where it can be, or no galaxy could be
+        measured.
     """
     _check_types(model, method, resources)
     # Some estimators need the shapes alone.
@@ -91,10 +93,13 @@ def measure(
     field = field_of_catalogue(
         sources, seen.phase_centre, first.summary, options.model, options.method
     )
+    check_field(sources, seen.phase_centre, field.flags)
     extracted = _extract(seen, field, first, options, progress)
     shapes = tabulate_shapes(sources, field, extracted, seen.phase_centre, options.model)
     made = Provenance("uvshear.measure", (*paths_of(observation), *_path_of(catalogue)))
     shapes.meta.update(made.metadata())
+    if cause := why_none_was_measured(shapes):
+        warnings.warn(f"no galaxy was measured: {cause}", NothingMeasuredWarning, stacklevel=2)
     return Measurement(
         shapes=shapes,
         statistics=statistics_table(shapes, kept, extracted.kept) if kept else None,

@@ -13,6 +13,7 @@ from uvshear.interferometer.facet import Facet
 from uvshear.shapes.measurement import ShapeMeasurement
 from uvshear.shapes.prior import ShapePrior
 from uvshear.shapes.shape import measure_shape
+from uvshear.shapes.significance import with_significance
 from uvshear.typing import Array, Complex
 
 Kept: TypeAlias = Mapping[str, float | Array]
@@ -80,6 +81,8 @@ class SourceFacet:
         Distribution of intrinsic ellipticities, on which weights depend.
     draw_noise
         Function that draws more noise like that of the facet.
+    tests_significance
+        Whether a source that the data do not show, or do not tell from a point, has a flag, as in a table of shapes.
     """
 
     facet: Facet
@@ -89,11 +92,15 @@ class SourceFacet:
     profile: Profile
     population: EllipticityPrior
     draw_noise: DrawNoise
+    tests_significance: bool = True
 
     @cached_property
     def shape(self) -> ShapeMeasurement:
         """Shape measured on the facet."""
-        return measure_shape(self.facet, self.prior, self.profile)
+        shape = measure_shape(self.facet, self.prior, self.profile)
+        if not self.tests_significance:
+            return shape
+        return with_significance(shape, self.facet, self.prior, self.profile)
 
 
 @runtime_checkable
