@@ -11,8 +11,8 @@ from uvshear.pipeline.measurement import Measurement
 from uvshear.shapes.measurement import FitFlag
 from uvshear.typing import Array, Bool
 
-MEASURED = tuple(flag.word for flag in (FitFlag.OK, FitFlag.NOT_DETECTED, FitFlag.UNRESOLVED))
-"""Flags of sources whose fit succeeded."""
+FITTED = tuple(flag.word for flag in FitFlag if flag.is_fitted)
+"""Flags of sources whose fit succeeded, whether or not what it found is significant."""
 
 
 def sample_of(measurement: Measurement, estimator: Estimator) -> Sample:
@@ -56,7 +56,7 @@ def selected(
     where
         Condition of the user's own: a boolean for each row.
     """
-    chosen = np.isin(np.asarray(shapes["flag"]).astype(str), MEASURED)
+    chosen = np.isin(np.asarray(shapes["flag"]).astype(str), FITTED)
     chosen &= inside(shapes, "snr") >= snr_min
     if detection_min > 0:
         chosen &= inside(shapes, "detection") >= detection_min

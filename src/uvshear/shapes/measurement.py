@@ -44,6 +44,11 @@ class FitFlag(Enum):
         """The flag as it appears in tables."""
         return self.name.lower()
 
+    @property
+    def is_fitted(self) -> bool:
+        """Whether the fit succeeded; what it found need not be significant."""
+        return self in {FitFlag.OK, FitFlag.NOT_DETECTED, FitFlag.UNRESOLVED}
+
 
 @dataclass(frozen=True)
 class GalaxyFit:
