@@ -257,8 +257,9 @@ def _left(samples: Samples, predict: Predict) -> Complex[Array, " sample"]:
     """Return the residual of a prediction, which is 0 for samples without weight."""
     residual = np.zeros(len(samples), complex)
     used = np.flatnonzero(samples.weights > 0)
-    part = samples.select(used)
-    residual[used] = part.stokes_i - predict(part)
+    if len(used):
+        part = samples.select(used)
+        residual[used] = part.stokes_i - predict(part)
     return residual
 
 
