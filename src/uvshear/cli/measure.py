@@ -108,8 +108,8 @@ def measure(
         NoiseName,
         typer.Option(
             rich_help_panel=DATA,
-            help="Origin of the noise level: the weights as they stand, or the scatter of the data. With data, the"
-            " weights are rescaled to agree with that scatter.",
+            help="Origin of the noise level: the weights as they stand, or the data. With data, the weights are scaled"
+            " to the noise that the two parallel hands, the residual of the fitted sky and neighbouring samples show.",
         ),
     ] = NoiseName.WEIGHTS,
     ignore_flags: Annotated[
@@ -357,7 +357,7 @@ def measure(
 
 def observed(paths: list[Path], reading: "Reading", noise: NoiseName) -> "Observation":
     """Open the sets, with the noise level of the given origin."""
-    from uvshear.interferometer.noise_estimate import scaled_to_its_noise
+    from uvshear.interferometer.scaled_observation import scaled_to_its_noise
     from uvshear.io.observations import open_observation
 
     # Each set has weights, and a noise, of its own.
