@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uvshear.cli.beams import NONE, PrimaryBeamOption, beam_of_observation
+from uvshear.cli.convergence import tell_convergence
 from uvshear.cli.extractions import CONVERGED, ExtractionChoice, FacetName
 from uvshear.cli.options import (
     Overwrite,
@@ -30,7 +31,7 @@ from uvshear.cli.reading import (
 )
 from uvshear.cli.registered import PROFILES, named_by, profile_named_by_option
 from uvshear.cli.residual_images import check_residual_image, draw_residual
-from uvshear.cli.terminal import notes_of_warnings, progress_bar, say, shorten, warn
+from uvshear.cli.terminal import notes_of_warnings, progress_bar, say, shorten
 from uvshear.cli.weightings import (
     GaussianTaperOption,
     InnerTukeyTaperOption,
@@ -45,17 +46,12 @@ from uvshear.cli.weightings import (
 from uvshear.errors import InputError, NothingMeasuredWarning
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from uvshear.galaxy import SizeModel
     from uvshear.interferometer.visibilities import Observation
     from uvshear.io.catalogue import Catalogue
     from uvshear.io.reading import Reading
 
 EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits --keep moments -o SHAPES.fits"
-
-RELEASED = 0.5
-"""Change of the sky fitted without priors, in units of the noise, above which the user is warned."""
 
 
 class NoiseName(StrEnum):
@@ -376,27 +372,3 @@ def size_of(name: SizePriorName, sources: "Catalogue", path: Path) -> "SizeModel
             f"{path}: has no column 'scale_length', which --size-prior catalogue needs"
         )
     return CatalogueSize()
-
-
-def tell_convergence(record: "Mapping[str, object]") -> None:
-    """Print how well the sky has converged, if the extraction iterates."""
-    left, tolerance = record.get("left_undone"), record.get("tolerance")
-    if not isinstance(left, float) or not isinstance(tolerance, float):
-        return
-    say(
-        f"{record['major_cycles']} major cycles; one more would change the model of a source by {left:.2g} times"
-        f" the noise (rms over all sources), and by at most {record['left_undone_most']:.2g} times the noise for any"
-        " single source"
-    )
-    if left > tolerance:
-        warn(
-            f"the sky model has not converged: one more major cycle would change it by {left:.2g} times the noise,"
-            f" which is above the tolerance of {tolerance:g}; treat the shapes of overlapping galaxies with care"
-        )
-    released = record.get("released")
-    if isinstance(released, list) and released[-1] > RELEASED:
-        warn(
-            "the statistics of --keep are computed from a second sky model, fitted with a wider prior on ellipticities;"
-            f" this model still changed by {released[-1]:.2g} times the noise (rms) in its last cycle, so treat shears"
-            " from these statistics with care"
-        )
