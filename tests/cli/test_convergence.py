@@ -10,7 +10,9 @@ RECORD = {"major_cycles": 4, "left_undone": 0.05, "left_undone_most": 0.2, "tole
 def test_a_converged_sky_is_told_without_a_note(capsys):
     tell_convergence(RECORD)
     told = capsys.readouterr()
-    assert told.out.startswith("4 major cycles; one more would change the model of a source by 0.05")
+    assert told.out.startswith(
+        "4 major cycles; one more would change the model of a source by 0.05"
+    )
     assert told.err == ""
 
 

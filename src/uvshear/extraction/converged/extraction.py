@@ -81,7 +81,7 @@ class ConvergedExtraction(Extraction):
     keeps_statistics = True
 
     tolerance: float = 0.1
-    most_major_cycles: int = 5
+    most_major_cycles: int = 10
     scale_lengths: float = 45.0
     epsilon: float = 1e-4
     shortest: float | None = None
