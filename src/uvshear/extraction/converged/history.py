@@ -6,7 +6,6 @@ from typing import Self
 from uvshear.extraction.converged.minor_cycle import Moves, rms
 from uvshear.typing import Array, Float
 
-
 FARTHEST = 5.0
 """Largest estimate of all further changes, over the last one: changes that hardly shrink tell of no end."""
 
