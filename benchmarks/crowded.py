@@ -126,7 +126,6 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, executor: Executor) -> Ta
     long_axis = galaxies.scale_length / (1 - np.abs(galaxies.ellipticity))
     width = np.maximum(45 * median, 12 * long_axis)
     pixel = 1 / (2.4 * float(uv_max.max()))
-    lm = np.column_stack([galaxies.l, galaxies.m])
     plan = plan_major_cycle(
         FacetRequests(galaxies.l, galaxies.m, np.minimum(width, 560 * pixel), uv_max),
         0.0,
@@ -135,7 +134,7 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, executor: Executor) -> Ta
     nothing = replace(galaxies, flux=np.zeros(len(galaxies)))
     gridding = Gridding(executor=executor)
     response = Response.from_sky(galaxies)
-    beam_plan = BeamPlan.around(lm, 0.0, float(uv_max.max()), plan.pixel)
+    beam_plan = BeamPlan.around(galaxies, response, 0.0, float(uv_max.max()), plan.pixel)
     beams = gather_beams(noise, beam_plan, response, gridding)
     half = np.full(len(galaxies), 20 * ARCSEC)
     residuals = gather_residuals(

@@ -1,11 +1,9 @@
 from itertools import pairwise
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from uvshear.imaging import tiles as module
 from uvshear.imaging.interpolation import refined
 from uvshear.imaging.tiles import TAPS, Footprint, plan_tiles
 
@@ -19,13 +17,8 @@ def _footprint(seed, sources, span):
     return Footprint(l, m, rng.uniform(5, 30, sources) * PIXEL)
 
 
-@pytest.fixture(autouse=True)
-def _small_cores():
-    """Tiles of 300 pixels: many of them, none large."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "CORE", 300)
-        yield
-
+CORE = 300
+"""Tiles of 300 pixels: many of them, none large."""
 
 footprints = st.builds(
     _footprint, st.integers(0, 999), st.integers(1, 40), st.sampled_from([0.0, 50.0, 900.0, 2500.0])
@@ -36,7 +29,7 @@ quickly = settings(deadline=None, max_examples=25)
 @quickly
 @given(footprints, st.integers(1, 4))
 def test_every_source_is_in_exactly_one_tile_of_each_band(footprint, bands):
-    plan = plan_tiles(footprint, PIXEL, bands)
+    plan = plan_tiles(footprint, PIXEL, bands, CORE)
     assert len(plan) == bands
     for tiles in plan:
         members = np.concatenate([tile.members for tile in tiles])
@@ -47,7 +40,7 @@ def test_every_source_is_in_exactly_one_tile_of_each_band(footprint, bands):
 @quickly
 @given(footprints, st.integers(1, 4))
 def test_every_facet_is_inside_its_tile_in_every_band(footprint, bands):
-    for band, tiles in enumerate(plan_tiles(footprint, PIXEL, bands)):
+    for band, tiles in enumerate(plan_tiles(footprint, PIXEL, bands, CORE)):
         step = PIXEL * 2**band
         for tile in tiles:
             half = footprint.half_width[tile.members]
@@ -60,7 +53,7 @@ def test_every_facet_is_inside_its_tile_in_every_band(footprint, bands):
 @quickly
 @given(footprints, st.integers(2, 4))
 def test_a_parent_covers_its_children_and_what_interpolation_reaches_beyond(footprint, bands):
-    plan = plan_tiles(footprint, PIXEL, bands)
+    plan = plan_tiles(footprint, PIXEL, bands, CORE)
     assert all(tile.parent == -1 for tile in plan[-1])
     for fine, coarse in pairwise(plan):
         for tile in fine:
@@ -75,7 +68,7 @@ def test_a_parent_covers_its_children_and_what_interpolation_reaches_beyond(foot
 
 def test_a_parent_can_be_refined_onto_every_child():
     footprint = _footprint(5, 30, 900.0)
-    fine, coarse = plan_tiles(footprint, PIXEL, 2)
+    fine, coarse = plan_tiles(footprint, PIXEL, 2, CORE)
     assert len(fine) > len(coarse) > 1
     for tile in fine:
         above = coarse[tile.parent]
@@ -87,7 +80,7 @@ def test_a_parent_can_be_refined_onto_every_child():
 @quickly
 @given(footprints, st.integers(1, 4))
 def test_all_tiles_lie_on_one_lattice(footprint, bands):
-    for band, tiles in enumerate(plan_tiles(footprint, PIXEL, bands)):
+    for band, tiles in enumerate(plan_tiles(footprint, PIXEL, bands, CORE)):
         for tile in tiles:
             assert tile.band == band
             assert tile.size % 2 == 0
@@ -100,7 +93,7 @@ def test_all_tiles_lie_on_one_lattice(footprint, bands):
 @quickly
 @given(footprints)
 def test_a_tile_is_no_wider_than_its_core_with_the_facets_at_its_edges(footprint):
-    (tiles,) = plan_tiles(footprint, PIXEL, 1)
+    (tiles,) = plan_tiles(footprint, PIXEL, 1, CORE)
     for tile in tiles:
         for x in (footprint.l, footprint.m):
             assert np.ptp(x[tile.members]) <= 300.0001 * PIXEL
@@ -110,5 +103,5 @@ def test_a_tile_is_no_wider_than_its_core_with_the_facets_at_its_edges(footprint
 def test_only_places_with_sources_have_tiles():
     l = np.array([0.0, 3000.0]) * PIXEL
     footprint = Footprint(l, l, np.full(2, 10 * PIXEL))
-    (tiles,) = plan_tiles(footprint, PIXEL, 1)
+    (tiles,) = plan_tiles(footprint, PIXEL, 1, CORE)
     assert len(tiles) == 2  # of a hundred boxes

@@ -10,7 +10,7 @@ from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.interferometer.attenuation import BandwidthSmearing, CombinedAttenuation, TimeSmearing
 from uvshear.interferometer.primary_beam import AiryBeam
 from uvshear.interferometer.samples import Samples
-from uvshear.predict.response import TOLERANCE, Response, SharedFactors
+from uvshear.predict.response import FILTER_TOLERANCE, TOLERANCE, Response, SharedFactors, seen_as
 
 LOW, HIGH = 0.95e9, 1.76e9  # SKA-Mid's band 2
 DECLINATION = -0.5
@@ -123,7 +123,7 @@ def test_strengths_are_what_is_left_of_a_flux():
     np.testing.assert_allclose(
         response.attenuations(sky), response.strengths(sky) / bare.strengths(sky)
     )
-    aside = response.matched_filter(probes, float(sky.l[0]), float(sky.m[0]))
+    aside = response.matched_filter(probes, *seen_as(sky, 0))
     assert np.average(aside**2, weights=weight) == pytest.approx(1.0, rel=1e-4)
 
 
@@ -132,3 +132,37 @@ def test_columns_that_repeat_are_chosen_once():
     shared = SharedFactors.from_factors(factors)
     assert shared.chosen.tolist() == [4]
     np.testing.assert_allclose(shared.coefficients[0], [1 / 3, 2 / 3, 1 / 6, 1 / 3, 1.0])
+
+
+@pytest.mark.parametrize("power", [1, 2])
+def test_a_few_filters_make_those_of_a_tile(power):
+    """On samples that chose nothing, as an rms relative to the filter."""
+    rng = np.random.default_rng(3)
+    sky = galaxies(
+        np.radians(0.3 + rng.uniform(-0.12, 0.12, 60)),
+        np.radians(-0.2 + rng.uniform(-0.12, 0.12, 60)),
+        1.0,
+        beta=rng.uniform(-1.2, 0.2, 60),
+    )
+    response = Response.from_sky(sky, _samples(2000), EVERYTHING)
+    others = _samples(800, seed=2)
+    filters = np.stack([response.matched_filter(others, *seen_as(sky, k)) for k in range(len(sky))])
+    shared = response.shared_filters(sky, 0.0, np.inf, power)
+    mixed = shared.coefficients.T @ filters[shared.chosen] ** power
+    weight = others.weights * response.gain(others.frequency) ** 2
+    error = np.sqrt(np.average((mixed - filters**power) ** 2, axis=1, weights=weight))
+    assert error.max() < 3 * FILTER_TOLERANCE
+    assert len(shared.chosen) <= 20
+    # one filter for all is wrong by a quarter
+    alone = filters[shared.chosen[:1]] ** power - filters**power
+    assert np.sqrt(np.mean(alone**2)) > 20 * error.max()
+
+
+def test_many_samples_are_combined_before_sources_are_chosen():
+    rng = np.random.default_rng(5)
+    factors = rng.standard_normal((3000, 4)) @ rng.standard_normal((4, 500))
+    shared = SharedFactors.from_factors(factors)
+    assert len(shared.chosen) == 4
+    np.testing.assert_allclose(
+        factors[:, shared.chosen] @ shared.coefficients, factors, atol=1e-9 * np.abs(factors).max()
+    )

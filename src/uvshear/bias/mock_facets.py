@@ -131,8 +131,9 @@ class MockBeam:
         longest = SMALL / smallest
         pixel = 1 / (2 * OVERSAMPLING * longest)
         gridding = Gridding(executor=executor)
-        plan = BeamPlan.around(np.zeros((1, 2)), 0.0, longest, pixel)
-        beams = gather_beams(observation, plan, Response.from_sky(galaxies), gridding)
+        response = Response.from_sky(galaxies)
+        plan = BeamPlan.around(galaxies, response, 0.0, longest, pixel)
+        beams = gather_beams(observation, plan, response, gridding)
         return cls(beams.images[0], pixel, longest)
 
     def simulator(self, log_median: float, sigma: float) -> FacetSimulator:

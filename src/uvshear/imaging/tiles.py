@@ -66,7 +66,9 @@ class Footprint:
     half_width: Float[Array, " source"]
 
 
-def plan_tiles(footprint: Footprint, pixel: float, bands: int) -> tuple[tuple[Tile, ...], ...]:
+def plan_tiles(
+    footprint: Footprint, pixel: float, bands: int, core: int = CORE
+) -> tuple[tuple[Tile, ...], ...]:
     """Plan the tiles of each band, beginning with the finest; parts of the sky without sources have none.
 
     Parameters
@@ -77,8 +79,10 @@ def plan_tiles(footprint: Footprint, pixel: float, bands: int) -> tuple[tuple[Ti
         Width of the pixels of the finest band [rad].
     bands
         Number of bands.
+    core
+        Largest number of pixels of the finest band that a tile covers along a side, without its margins.
     """
-    boxes = _boxes(footprint, pixel)
+    boxes = _boxes(footprint, pixel, core)
     plans: list[tuple[Tile, ...]] = []
     children: dict[tuple[int, int], list[Tile]] = {}
     previous: list[list[int]] = []
@@ -103,11 +107,11 @@ def plan_tiles(footprint: Footprint, pixel: float, bands: int) -> tuple[tuple[Ti
     return tuple(plans)
 
 
-def _boxes(footprint: Footprint, pixel: float) -> Int[Array, "source 2"]:
-    """Box of each source; the boxes divide the field into equal parts of at most ``CORE`` pixels."""
+def _boxes(footprint: Footprint, pixel: float, core: int) -> Int[Array, "source 2"]:
+    """Box of each source; the boxes divide the field into equal parts of at most ``core`` pixels."""
     lm = np.column_stack([footprint.l, footprint.m])
     low, extent = lm.min(axis=0), np.ptp(lm, axis=0)
-    parts = np.maximum(1, np.ceil(extent / (CORE * pixel)))
+    parts = np.maximum(1, np.ceil(extent / (core * pixel)))
     place = np.floor((lm - low) / np.maximum(extent, pixel) * parts)
     return np.minimum(place, parts - 1).astype(int)
 

@@ -13,7 +13,7 @@ from uvshear.imaging.tangent import TangentPlane
 from uvshear.imaging.tiles import Tile
 from uvshear.interferometer.samples import Samples
 from uvshear.predict.rendering import render, stamp_size
-from uvshear.predict.response import Response
+from uvshear.predict.response import Response, SeenAs, seen_as
 from uvshear.typing import Array, Complex, Float
 
 SLAB = 2**21
@@ -124,7 +124,7 @@ class _Part:
 
     tile: Tile
     flux: Float[Array, " member"]
-    seen_as: tuple[float, float, float]
+    seen_as: SeenAs
 
 
 def _parts(tile: Tile, sky: ModelledSky, band: Band) -> list[_Part]:
@@ -132,12 +132,7 @@ def _parts(tile: Tile, sky: ModelledSky, band: Band) -> list[_Part]:
     shared = sky.response.shared_factors(members, band.shortest, band.longest)
     parts = []
     for source, coefficients in zip(shared.chosen.tolist(), shared.coefficients, strict=True):
-        seen_as = (
-            float(members.l[source]),
-            float(members.m[source]),
-            float(members.spectral_index[source]),
-        )
-        parts.append(_Part(tile, members.flux * coefficients, seen_as))
+        parts.append(_Part(tile, members.flux * coefficients, seen_as(members, source)))
     return parts
 
 

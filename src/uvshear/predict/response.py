@@ -8,7 +8,7 @@ factors; a few images can.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import Self, TypeAlias
 
 import numpy as np
 from scipy.linalg import qr, solve_triangular
@@ -21,14 +21,35 @@ from uvshear.typing import Array, Float, Int
 TOLERANCE = 1e-4
 """Error of a factor that is a combination of others, over the strongest factor."""
 
+FILTER_TOLERANCE = 3e-3
+"""Relative error of a matched filter that is a combination of others, as an rms over the noise-weighted samples. The
+information on a source and the steps of the extraction are wrong by about this fraction, and its result is not."""
+
 FAINTEST = 1e-2
 """Smallest fraction of its flux that attenuation must leave of a source that is modelled."""
+
+_MOST_ROWS = 192
+"""Number of random combinations of samples that take the place of the samples where there are more of them: the factors
+are combinations of some tens, so that these few tell them apart as well as thousands of samples."""
 
 _FEWEST = 64
 """Number of samples in a band below which the samples of all bands are used to choose the sources."""
 
 _OUTERMOST = 8
 """Number of outermost sources that are used to decide whether there is any attenuation."""
+
+
+SeenAs: TypeAlias = tuple[float, float, float]
+"""What the factor of a source depends on: its direction cosines l and m, and its spectral index."""
+
+
+def seen_as(galaxies: Galaxies, source: int) -> SeenAs:
+    """Return what the factor of a source depends on."""
+    return (
+        float(galaxies.l[source]),
+        float(galaxies.m[source]),
+        float(galaxies.spectral_index[source]),
+    )
 
 
 @dataclass(frozen=True)
@@ -39,11 +60,13 @@ class SharedFactors:
     coefficients: Float[Array, "term source"]
 
     @classmethod
-    def from_factors(cls, factors: Float[Array, "probe source"]) -> Self:
+    def from_factors(
+        cls, factors: Float[Array, "probe source"], tolerance: float = TOLERANCE
+    ) -> Self:
         """Choose as few sources as the tolerance allows."""
-        _, upper, order = qr(factors, mode="economic", pivoting=True)
+        _, upper, order = qr(_compressed(factors), mode="economic", pivoting=True)
         diagonal = np.abs(np.diag(upper))
-        rank = max(int(np.sum(diagonal > TOLERANCE * diagonal[0])), 1)
+        rank = max(int(np.sum(diagonal > tolerance * diagonal[0])), 1)
         coefficients = np.zeros((rank, factors.shape[1]))
         coefficients[:, order[:rank]] = np.eye(rank)
         coefficients[:, order[rank:]] = solve_triangular(upper[:rank, :rank], upper[:rank, rank:])
@@ -123,9 +146,9 @@ class Response:
 
     def strengths(self, galaxies: Galaxies) -> Float[Array, " source"]:
         """Root mean square of each source's own factor over the weighted probes; the flux of a facet includes it."""
-        if self._is_common(galaxies):
+        if self.is_common(galaxies):
             return np.ones(len(galaxies))
-        return self._rms(self._factors(self._need_probes(), galaxies))
+        return self._rms(self.factors(self._need_probes(), galaxies))
 
     def attenuations(self, galaxies: Galaxies) -> Float[Array, " source"]:
         """Fraction of each source's flux that averaging and primary beams leave, as an rms over the probes."""
@@ -134,28 +157,56 @@ class Response:
         return self.strengths(galaxies) / replace(self, attenuation=None).strengths(galaxies)
 
     def matched_filter(
-        self, samples: Samples, l: float, m: float
+        self, samples: Samples, l: float, m: float, index: float
     ) -> Float[Array, " sample"] | float:
-        """Filter that matches sources in a direction, besides the common power law; its root mean square is 1."""
-        if self.attenuation is None:
+        """Filter that matches a source, besides the common power law: its own factor with a root mean square of 1.
+
+        Parameters
+        ----------
+        samples
+            Samples at which the filter is evaluated.
+        l, m
+            Direction cosines of the source.
+        index
+            Spectral index of the source.
+        """
+        if self.attenuation is None and index == self.index:
             return 1.0
-        remaining = float(self._rms(self.attenuation.factor(self._need_probes(), l, m)[:, None])[0])
-        if remaining < FAINTEST:
-            # Attenuation leaves next to nothing in this direction, and no source is modelled there.
-            return 1.0
-        return (self.attenuation.factor(samples, l, m) / remaining).astype(np.float32)
+        at_probes = self.source_factor(self._need_probes(), l, m, index)
+        rms = float(self._rms((at_probes * np.ones(len(self._weight)))[:, None])[0])
+        return np.asarray(self.source_factor(samples, l, m, index) / rms, np.float32)
+
+    def shared_filters(
+        self, galaxies: Galaxies, shortest: float, longest: float, power: int = 1
+    ) -> SharedFactors:
+        """Express the filters of sources by a few, on baselines within a range [wavelengths].
+
+        The filters are those of :meth:`matched_filter`, raised to a power: a beam has their squares.
+        """
+        if self.is_common(galaxies):
+            return _all_alike(len(galaxies))
+        chosen = self._within(shortest, longest)
+        factors = self.factors(self._need_probes(), galaxies)
+        filters = factors[chosen] / self._rms(factors)
+        weight = self._weight[chosen]
+        weighted = filters**power * np.sqrt(weight / weight.sum())[:, None]
+        return SharedFactors.from_factors(weighted, FILTER_TOLERANCE)
 
     def shared_factors(self, galaxies: Galaxies, shortest: float, longest: float) -> SharedFactors:
         """Own factors of sources in terms of a few, on baselines within a range [wavelengths]."""
-        if self._is_common(galaxies):
-            return SharedFactors(np.zeros(1, int), np.ones((1, len(galaxies))))
-        probes = self._need_probes()
-        distance = probes.uv_distance
-        chosen = np.flatnonzero((distance >= shortest) & (distance < longest))
-        seen = probes.select(chosen) if len(chosen) >= _FEWEST else probes
-        return SharedFactors.from_factors(self._factors(seen, galaxies))
+        if self.is_common(galaxies):
+            return _all_alike(len(galaxies))
+        seen = self._need_probes().select(self._within(shortest, longest))
+        return SharedFactors.from_factors(self.factors(seen, galaxies))
 
-    def _is_common(self, galaxies: Galaxies) -> bool:
+    def _within(self, shortest: float, longest: float) -> Int[Array, " probe"]:
+        """Probes on baselines within a range, or all of them where these are too few."""
+        distance = self._need_probes().uv_distance
+        chosen = np.flatnonzero((distance >= shortest) & (distance < longest))
+        return chosen if len(chosen) >= _FEWEST else np.arange(len(distance))
+
+    def is_common(self, galaxies: Galaxies) -> bool:
+        """Whether the factors of all sources are 1."""
         return self.attenuation is None and bool(np.all(galaxies.spectral_index == self.index))
 
     def _rms(self, factors: Float[Array, "probe source"]) -> Float[Array, " source"]:
@@ -172,14 +223,22 @@ class Response:
         assert self.probes is not None, "sources with different responses need probes"
         return self.probes
 
-    def _factors(self, samples: Samples, galaxies: Galaxies) -> Float[Array, "sample source"]:
-        sources = zip(
-            galaxies.l.tolist(),
-            galaxies.m.tolist(),
-            galaxies.spectral_index.tolist(),
-            strict=True,
-        )
+    def factors(self, samples: Samples, galaxies: Galaxies) -> Float[Array, "sample source"]:
+        """Evaluate the own factor of every source at some samples."""
         factors = [
-            self.source_factor(samples, *source) * np.ones(len(samples)) for source in sources
+            self.source_factor(samples, *seen_as(galaxies, source)) * np.ones(len(samples))
+            for source in range(len(galaxies))
         ]
         return np.stack(factors, axis=-1).astype(float)
+
+
+def _all_alike(sources: int) -> SharedFactors:
+    return SharedFactors(np.zeros(1, int), np.ones((1, sources)))
+
+
+def _compressed(factors: Float[Array, "probe source"]) -> Float[Array, "row source"]:
+    """Combine samples at random where there are more than are needed to tell sources apart."""
+    if min(factors.shape) <= _MOST_ROWS:
+        return factors
+    combination = np.random.default_rng(1).standard_normal((_MOST_ROWS, len(factors)))
+    return combination @ factors / np.sqrt(_MOST_ROWS)

@@ -39,7 +39,7 @@ def coupled_galaxies():
     observation = VisibilitySet(centre, (Visibilities(uvw, L_BAND, vis, np.ones(vis.shape)),))
     requests = FacetRequests(*lm.T, np.full(10, 120 * ARCSEC), np.full(10, LONGEST))
     plan = plan_major_cycle(requests, 0.0, LONGEST)
-    beam_plan = BeamPlan.around(lm, 0.0, LONGEST, plan.pixel)
+    beam_plan = BeamPlan.around(sky, Response.from_sky(sky), 0.0, LONGEST, plan.pixel)
     beams = gather_beams(observation, beam_plan, Response.from_sky(sky), GRIDDING)
     interaction = Interaction(plan, beams, PROFILE)
     fits = [GalaxyFit(float(flux), np.zeros(2), 0.2 - 0.1j, 4 * ARCSEC, 10.0) for flux in sky.flux]

@@ -52,8 +52,7 @@ class FiveGalaxies:
         values["plan"] = plan_major_cycle(requests, 0.0, LONGEST)
         for name, value in values.items():
             object.__setattr__(self, name, value)
-        lm = np.column_stack([SKY.l, SKY.m])
-        beam_plan = BeamPlan.around(lm, 0.0, LONGEST, self.plan.pixel)
+        beam_plan = BeamPlan.around(SKY, Response.from_sky(SKY), 0.0, LONGEST, self.plan.pixel)
         beams = gather_beams(self.observation, beam_plan, Response.from_sky(SKY), GRIDDING)
         object.__setattr__(self, "beams", beams)
         object.__setattr__(self, "before", self.residuals(SKY))

@@ -77,8 +77,12 @@ def small_field(
     shortest=0.0,
     rows=1500,
     centred: Galaxies | None = None,
+    core=600,
 ) -> SmallField:
-    """Observe ``truth`` without noise on some rows of a VLA; facets are centred on ``centred``, truth unless given."""
+    """Observe ``truth`` without noise on some rows of a VLA; facets are centred on ``centred``, truth unless given.
+
+    With tiles of 600 pixels there are four and more in the finest band.
+    """
     uvw, _ = vla("b", samples=6)
     uvw = uvw[np.random.default_rng(4).permutation(len(uvw))[:rows]]
     vis = predict_visibilities(truth, uvw, frequency, PROFILE)
@@ -87,7 +91,7 @@ def small_field(
     centred = truth if centred is None else centred
     count = len(centred)
     requests = FacetRequests(centred.l, centred.m, np.full(count, WIDTH), np.full(count, LONGEST))
-    plan = plan_major_cycle(requests, shortest, LONGEST)
+    plan = plan_major_cycle(requests, shortest, LONGEST, core=core)
     return SmallField(Visibilities(uvw, frequency, vis, weights), plan)
 
 

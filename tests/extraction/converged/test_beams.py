@@ -20,6 +20,7 @@ from uvshear.extraction.converged.beams import (
     WIDE_SIZE,
     BeamAccumulator,
     BeamPlan,
+    Mixture,
     coarse_spectrum,
     directions,
     gather_beams,
@@ -34,7 +35,7 @@ LM = np.column_stack([SKY.l, SKY.m])
 
 def _gather(field, sky=SKY, **gridding):
     response = field.modelled(sky).response
-    plan = BeamPlan.around(LM, 0.0, LONGEST, field.plan.pixel)
+    plan = BeamPlan.around(sky, response, 0.0, LONGEST, field.plan.pixel)
     return gather_beams(field.observation, plan, response, replace(GRIDDING, **gridding))
 
 
@@ -92,9 +93,8 @@ def test_norms_are_those_of_exact_facets():
     requests = FacetRequests(galaxy.l, galaxy.m, np.full(1, 4e-4), np.full(1, longest))
     plan = plan_major_cycle(requests, 0.0, longest)
     response = Response.from_sky(galaxy)
-    lm = np.column_stack([galaxy.l, galaxy.m])
     observation = VisibilitySet(vla("b")[1], (seen.seen,))
-    beam_plan = BeamPlan.around(lm, 0.0, longest, plan.pixel)
+    beam_plan = BeamPlan.around(galaxy, response, 0.0, longest, plan.pixel)
     beams = gather_beams(observation, beam_plan, response, GRIDDING)
     norms = []
     for uv, power in (
@@ -159,7 +159,7 @@ def test_the_block_held_in_memory_hardly_changes_the_beams(one_channel, beams):
 
 def test_sources_of_one_cutout_and_direction_share_their_power(one_channel, beams):
     cutout = one_channel.plan.cutouts[0]
-    assert beams.nearest[1] == beams.nearest[2]
+    assert beams.mixtures[1] == beams.mixtures[2]
     assert beams.power(1, cutout) is beams.power(2, cutout)
 
 
@@ -175,11 +175,22 @@ def test_every_source_has_a_direction_within_half_the_spacing_and_every_directio
 
 
 def test_a_pass_in_two_parts_gives_the_beams_of_one(one_channel, beams):
-    plan = BeamPlan.around(LM, 0.0, LONGEST, one_channel.plan.pixel)
     response = one_channel.modelled(SKY).response
+    plan = BeamPlan.around(SKY, response, 0.0, LONGEST, one_channel.plan.pixel)
     first, later = (BeamAccumulator(plan, response, GRIDDING) for _ in range(2))
     chunks = one_channel.in_pieces(2).blocks
     first.add(chunks[0])
     later.add(chunks[1])
     first.merge(later)
     np.testing.assert_array_equal(first.result().images, beams.images)
+
+
+def test_a_mixture_adds_what_its_beams_have():
+    quantities = np.random.default_rng(1).uniform(size=(3, 4)).astype(np.float32)
+    mixture = Mixture.from_shares((0, 1, 2), np.array([0.7, 1e-9, -0.4]))
+    assert mixture.beams == (0, 2)
+    np.testing.assert_allclose(
+        mixture.of(quantities.__getitem__), 0.7 * quantities[0] - 0.4 * quantities[2], rtol=1e-6
+    )
+    alone = Mixture.from_shares((1,), np.ones(1))
+    assert np.shares_memory(alone.of(quantities.__getitem__), quantities)

@@ -85,4 +85,4 @@ def test_the_beams_have_the_pixels_and_the_baselines_of_the_facets(planner):
     beams, plan = planner.plan_beams(), planner.plan(planner.modelled.expected)
     assert beams.pixel == plan.pixel
     assert (beams.shortest, beams.longest) == (plan.shortest, plan.longest)
-    assert len(beams.nearest) == 2
+    assert len(beams.mixtures) == 2

@@ -1,7 +1,14 @@
-"""The dirty beam over the field: it changes by one per cent in half a degree, so that a few directions are enough."""
+"""The dirty beam of every source of the field, in terms of a few.
+
+Two causes make the beams of two sources differ. The baselines are projected onto the plane tangent to the sky at the
+source, which changes the beam by one per cent in half a degree: a lattice of directions is enough for it. Smearing,
+primary beams and spectra, which the filter of a source matches, may change much faster. The squares of the filters
+of all sources near a direction are combinations of those of a few of them (``Response.shared_filters``), and so are
+their beams: one beam is accumulated for each of these few, and the beam of a source is a mixture of them.
+"""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Self
 
@@ -10,6 +17,7 @@ from scipy import fft
 from scipy.ndimage import map_coordinates
 from scipy.spatial import cKDTree
 
+from uvshear.galaxy import Galaxies
 from uvshear.imaging.cutout import Cutout
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.interferometer.accumulate import accumulate
@@ -18,15 +26,16 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.blocks import BlockAccumulator
 from uvshear.predict.gridded import Gridding, slabs
 from uvshear.predict.rendering import smooth_step
-from uvshear.predict.response import Response
+from uvshear.predict.response import Response, SeenAs, seen_as
 from uvshear.typing import Array, Float, Int
 
 SIZE = 704
 """Side of a beam's image [pixels]: 197 arcsec for SKA-Mid, the reach of the interaction between major cycles."""
 
 SPACING = math.radians(0.3)
-"""Greatest distance between neighbouring directions, along l or m [rad]. At half this distance the beam is stretched by
-about 0.1 per cent. That affects the noise and not the shape, because the beam does not enter the residual."""
+"""Greatest distance between neighbouring directions, along l or m [rad]. At half this distance the projection of the
+baselines stretches the beam by about 0.1 per cent. That affects the noise and not the shape, because the beam does not
+enter the residual."""
 
 WIDE_SIZE = 256
 WIDE_BAND = 1 / 20
@@ -36,47 +45,80 @@ the short baselines reaches: 730 arcsec for SKA-Mid."""
 NANOSECONDS = 200
 """Cost of a sample in one beam [nanoseconds]."""
 
+NEGLIGIBLE = 1e-5
+"""Share of a beam in a mixture below which the beam is left out."""
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """The beam of a source as a sum of some beams, each times its share."""
+
+    beams: tuple[int, ...]
+    shares: tuple[float, ...]
+
+    @classmethod
+    def from_shares(cls, beams: Sequence[int], shares: Float[Array, " beam"]) -> Self:
+        """Leave out beams of negligible share."""
+        kept = [
+            (beam, share)
+            for beam, share in zip(beams, shares.tolist(), strict=True)
+            if abs(share) > NEGLIGIBLE
+        ]
+        return cls(tuple(beam for beam, _ in kept), tuple(share for _, share in kept))
+
+    def of(self, quantity: Callable[[int], Float[Array, "..."]]) -> Float[Array, "..."]:
+        """Mix a quantity that each beam has and that is linear in the beam."""
+        if self.shares == (1.0,):
+            return quantity(self.beams[0])
+        total = quantity(self.beams[0]) * np.float32(self.shares[0])
+        for beam, share in zip(self.beams[1:], self.shares[1:], strict=True):
+            total += quantity(beam) * np.float32(share)
+        return total
+
 
 @dataclass(frozen=True)
 class Beams:
-    """Dirty beams [Jy^-2] in several directions, and the beam of each source.
+    """Dirty beams [Jy^-2], and the mixture of them that is the beam of each source.
 
     Parameters
     ----------
     images
-        Beam in each direction, on pixels of ``pixel`` [rad], with its centre at (SIZE/2, SIZE/2).
-    nearest
-        Number of the direction of each source.
+        Beams on pixels of ``pixel`` [rad], with their centres at (SIZE/2, SIZE/2).
+    mixtures
+        Mixture of each source.
     pixel
         Width of the pixels [rad].
     wide
         Coarse beam of the short baselines in one direction, on pixels of ``wide_pixel`` [rad].
     """
 
-    images: Float[Array, "node l m"]
-    nearest: Int[Array, " source"]
+    images: Float[Array, "beam l m"]
+    mixtures: tuple[Mixture, ...]
     pixel: float
     wide: Float[Array, "wide_l wide_m"]
     wide_pixel: float
     _powers: dict[tuple[int, Cutout], Float[Array, " cell"]] = field(default_factory=dict)
 
     def power(self, source: int, cutout: Cutout) -> Float[Array, " cell"]:
-        """Power of a facet's cells; sources of one size and one beam share it."""
-        node = int(self.nearest[source])
-        if (node, cutout) not in self._powers:
-            self._powers[node, cutout] = power_of(self.images[node], cutout)
-        return self._powers[node, cutout]
+        """Power of a facet's cells; sources of one size share the powers that are mixed."""
+
+        def of_beam(beam: int) -> Float[Array, " cell"]:
+            if (beam, cutout) not in self._powers:
+                self._powers[beam, cutout] = power_of(self.images[beam], cutout)
+            return self._powers[beam, cutout]
+
+        return self.mixtures[source].of(of_beam)
 
     def plateau(self, apart: Float[Array, "pair 2"]) -> Float[Array, " pair"]:
         """Beam of the short baselines at distances along l and m [rad]; 0 beyond its image."""
         place = apart.T / self.wide_pixel + WIDE_SIZE // 2
         return map_coordinates(self.wide, place, order=1, mode="constant")
 
-    def ending(self, node: int, start: float, end: float) -> Float[Array, "l m"]:
+    def ending(self, beam: int, start: float, end: float) -> Float[Array, "l m"]:
         """Return a beam that ends smoothly between the distances ``start`` and ``end`` [pixels]."""
         x = np.arange(SIZE) - SIZE // 2
         window = smooth_step(np.hypot(x[:, None], x[None, :]), start, end)
-        return self.images[node] * window
+        return self.images[beam] * window
 
 
 def coarse_spectrum(beam: Float[Array, "l m"]) -> Float[Array, "u v"]:
@@ -115,37 +157,53 @@ class BeamPlan:
     Parameters
     ----------
     nodes
-        Direction cosines of the beams.
-    nearest
-        Number of the direction of each source.
+        Direction cosines at which the beams are accumulated.
+    filters
+        Direction cosines and spectral index of the source whose filter each beam has.
+    mixtures
+        Mixture of beams of each source.
     shortest, longest
         Range of the baselines that are used [wavelengths].
     pixel
         Width of the pixels [rad].
     """
 
-    nodes: Float[Array, "node 2"]
-    nearest: Int[Array, " source"]
+    nodes: Float[Array, "beam 2"]
+    filters: tuple[SeenAs, ...]
+    mixtures: tuple[Mixture, ...]
     shortest: float
     longest: float
     pixel: float
 
     @classmethod
     def around(
-        cls, lm: Float[Array, "source 2"], shortest: float, longest: float, pixel: float
+        cls, galaxies: Galaxies, response: Response, shortest: float, longest: float, pixel: float
     ) -> Self:
-        """Plan the beams around sources at ``lm``."""
-        nodes, nearest = directions(lm)
-        return cls(nodes, nearest, shortest, longest, pixel)
+        """Plan the beams of some sources."""
+        lattice, nearest = directions(np.column_stack([galaxies.l, galaxies.m]))
+        nodes: list[Float[Array, " 2"]] = []
+        filters: list[SeenAs] = []
+        mixtures: dict[int, Mixture] = {}
+        for k, node in enumerate(lattice):
+            members = np.flatnonzero(nearest == k)
+            near = galaxies.select(members)
+            shared = response.shared_filters(near, shortest, longest, power=2)
+            numbers = range(len(nodes), len(nodes) + len(shared.chosen))
+            nodes += [node] * len(numbers)
+            filters += [seen_as(near, source) for source in shared.chosen.tolist()]
+            for member, shares in zip(members.tolist(), shared.coefficients.T, strict=True):
+                mixtures[member] = Mixture.from_shares(numbers, shares)
+        ordered = tuple(mixtures[source] for source in range(len(galaxies)))
+        return cls(np.array(nodes), tuple(filters), ordered, shortest, longest, pixel)
 
 
 class BeamAccumulator(BlockAccumulator[Beams]):
-    """Dirty beams of all directions of a plan.
+    """Dirty beams of a plan.
 
     Parameters
     ----------
     plan
-        Directions, baselines and pixels.
+        Directions, filters, baselines and pixels.
     response
         Spectrum and attenuation of the sources.
     gridding
@@ -176,25 +234,25 @@ class BeamAccumulator(BlockAccumulator[Beams]):
     def total(self) -> Beams:
         """Return the beams."""
         plan = self._plan
-        return Beams(self._images, plan.nearest, plan.pixel, self._wide, self._wide_pixel)
+        return Beams(self._images, plan.mixtures, plan.pixel, self._wide, self._wide_pixel)
 
     def add_block(self, samples: Samples) -> None:
-        """Image the weights of a block in every direction."""
+        """Image the weights of a block for every beam."""
         plan, response, gridding = self._plan, self._response, self._gridding
         unit = (samples.weights * response.gain(samples.frequency) ** 2).astype(np.complex64)
         self._add_short(samples, unit)
 
         def image(task: tuple[int, slice]) -> tuple[int, Float[Array, "l m"], int]:
-            node, rows = task
+            beam, rows = task
             # Phased to the direction itself a beam has its centre there.
-            plane = TangentPlane.at(samples.uvw[rows], *plan.nodes[node])
-            left = response.matched_filter(samples.select(rows), *plan.nodes[node].tolist())
-            beam = plane.beam(unit[rows] * left**2, SIZE, plan.pixel, gridding.epsilon)
-            return node, beam, len(plane.phase)
+            plane = TangentPlane.at(samples.uvw[rows], *plan.nodes[beam])
+            matched = response.matched_filter(samples.select(rows), *plan.filters[beam])
+            part = plane.beam(unit[rows] * matched**2, SIZE, plan.pixel, gridding.epsilon)
+            return beam, part, len(plane.phase)
 
-        tasks = [(node, rows) for node in range(len(plan.nodes)) for rows in slabs(len(samples))]
-        for node, part, count in gridding.executor.map(image, tasks):
-            self._images[node] += part
+        tasks = [(beam, rows) for beam in range(len(plan.nodes)) for rows in slabs(len(samples))]
+        for beam, part, count in gridding.executor.map(image, tasks):
+            self._images[beam] += part
             if self._on_work is not None:
                 self._on_work(NANOSECONDS * count)
 

@@ -99,9 +99,7 @@ def couple(
         )
         return members, blocks
 
-    # Planes are worked out once, before several workers ask for them.
-    for source in np.unique(interaction.beams.nearest, return_index=True)[1].tolist():
-        interaction.short_plane_around(source)
+    interaction.work_out_planes()
     first, second = [np.zeros(0, int)], [np.zeros(0, int)]
     values = [np.zeros((0, PARAMETERS, PARAMETERS))]
     own = np.zeros((len(place), PARAMETERS, PARAMETERS))

@@ -107,7 +107,7 @@ class ConvergedExtraction(Extraction):
         executor, centre = setting.resources.executor, observation.phase_centre
         modelled = ModelledField.from_field(field, setting.model, centre.dec)
         baselines = Baselines.from_field(field, modelled.is_galaxy, self.shortest)
-        planner = Planner(modelled, baselines, self.scale_lengths)
+        planner = Planner.from_field(modelled, baselines, self.scale_lengths)
         gridding = Gridding(self._epsilon(field), block_of(setting.resources.memory), executor)
         on_fit, on_shape, on_statistics = (
             partial(meter.add, work) for work in (FIT, POSTERIOR, STATISTICS)

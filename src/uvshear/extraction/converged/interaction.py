@@ -9,7 +9,7 @@ not be positive. The next major cycle is exact everywhere.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import fft, sparse
@@ -22,7 +22,7 @@ from uvshear.geometry.ellipticity import quadratic_form_of
 from uvshear.imaging.bands import Band
 from uvshear.imaging.cutout import Cutout
 from uvshear.interferometer.facet import BeamPlane
-from uvshear.numerics.half_plane import half_plane
+from uvshear.numerics.half_plane import HalfPlane, half_plane
 from uvshear.predict.rendering import smooth_step, transform_on_stamp
 from uvshear.typing import Array, Complex, Float
 
@@ -76,7 +76,8 @@ class Interaction:
         self._band = Band(0.0, plan.bands[0].longest / 2, 2 * plan.pixel)
         self._far = self._far_couplings()
         self._spectra: dict[int, Float[Array, "u v"]] = {}
-        self._planes: dict[tuple[int, float], BeamPlane] = {}
+        self._planes: dict[tuple[int, float], Float[Array, " cell"]] = {}
+        self._half_planes: dict[float, HalfPlane] = {}
         self._own: dict[tuple[int, Cutout], Float[Array, " cell"]] = {}
 
     @property
@@ -104,7 +105,7 @@ class Interaction:
     ) -> tuple[float, Float[Array, "l m"]]:
         """Return the change of a source in units of the noise, and that of the dirty image around it."""
         change = self._transform(after) - self._transform(before)
-        seen = change * self._spectrum(int(self._beams.nearest[source]))
+        seen = change * self._beams.mixtures[source].of(self._spectrum)
         # This is half of the plane: the column v = 0 counts once, as does the last.
         product = (seen * change.conj()).real
         power = 2 * product.sum(dtype=float) - product[:, [0, -1]].sum(dtype=float)
@@ -113,18 +114,18 @@ class Interaction:
 
     def own_power(self, source: int) -> Float[Array, " cell"]:
         """Power of the beam with which the image holds a source's own change, on the cells of its facet."""
-        cutout, node = self._plan.cutouts[source], int(self._beams.nearest[source])
-        if (node, cutout) not in self._own:
-            taper = smooth_step(np.hypot(*cutout.uv.T), self._band.longest, 0.5 / self._band.pixel)
-            own = np.zeros(len(taper), np.float32)
-            resolved = cutout.coarse_cells[0]
-            own[resolved] = (taper * power_of(self._ending(node), cutout))[resolved]
-            self._own[node, cutout] = own
-        return self._own[node, cutout]
+        cutout = self._plan.cutouts[source]
+
+        def of_beam(beam: int) -> Float[Array, " cell"]:
+            if (beam, cutout) not in self._own:
+                self._own[beam, cutout] = self._own_power(beam, cutout)
+            return self._own[beam, cutout]
+
+        return self._beams.mixtures[source].of(of_beam)
 
     def plane_around(self, source: int) -> BeamPlane:
         """Cells and power of the beam of a source on all baselines of the interaction, for sources that overlap."""
-        return self._plane(int(self._beams.nearest[source]), self._band.longest)
+        return self._plane(source, self._band.longest)
 
     def short_plane_around(self, source: int) -> BeamPlane:
         """Cells and power of the shorter half of these baselines, which is enough for two separate galaxies.
@@ -132,18 +133,41 @@ class Interaction:
         A quarter of the longest baseline is 2.1 times 1/(2 pi alpha) of the faintest; the product of two discs is
         down to a hundredth there.
         """
-        return self._plane(int(self._beams.nearest[source]), self._band.longest / 2)
+        return self._plane(source, self._band.longest / 2)
 
-    def _ending(self, node: int) -> Float[Array, "l m"]:
-        return self._beams.ending(node, 2 * START, 2 * END)
+    def work_out_planes(self) -> None:
+        """Compute what :meth:`short_plane_around` needs once, before several workers ask for it."""
+        for beam in range(len(self._beams.images)):
+            self._plane_power(beam, self._band.longest / 2)
 
-    def _plane(self, node: int, longest: float) -> BeamPlane:
-        if (node, longest) not in self._planes:
-            cells = half_plane(WINDOW, self._band.pixel, 0.0, longest)
+    def _own_power(self, beam: int, cutout: Cutout) -> Float[Array, " cell"]:
+        taper = smooth_step(np.hypot(*cutout.uv.T), self._band.longest, 0.5 / self._band.pixel)
+        own = np.zeros(len(taper), np.float32)
+        resolved = cutout.coarse_cells[0]
+        own[resolved] = (taper * power_of(self._ending(beam), cutout))[resolved]
+        return own
+
+    def _ending(self, beam: int) -> Float[Array, "l m"]:
+        return self._beams.ending(beam, 2 * START, 2 * END)
+
+    def _plane(self, source: int, longest: float) -> BeamPlane:
+        def of_beam(beam: int) -> Float[Array, " cell"]:
+            return self._plane_power(beam, longest)
+
+        return BeamPlane(self._cells(longest).uv, self._beams.mixtures[source].of(of_beam))
+
+    def _plane_power(self, beam: int, longest: float) -> Float[Array, " cell"]:
+        if (beam, longest) not in self._planes:
+            cells = self._cells(longest)
             multiplicity = (cells.multiplicity / WINDOW**2).astype(np.float32)
-            power = self._spectrum(node)[cells.index] * multiplicity
-            self._planes[node, longest] = BeamPlane(cells.uv.astype(np.float32), power)
-        return self._planes[node, longest]
+            self._planes[beam, longest] = self._spectrum(beam)[cells.index] * multiplicity
+        return self._planes[beam, longest]
+
+    def _cells(self, longest: float) -> HalfPlane:
+        if longest not in self._half_planes:
+            cells = half_plane(WINDOW, self._band.pixel, 0.0, longest)
+            self._half_planes[longest] = replace(cells, uv=cells.uv.astype(np.float32))
+        return self._half_planes[longest]
 
     def _far_couplings(self) -> sparse.csr_matrix:
         place = self._plan.centres
@@ -165,7 +189,7 @@ class Interaction:
         spectrum = transform_on_stamp(form, source.offset, WINDOW, self._band, self._profile)
         return spectrum * np.float32(source.flux)
 
-    def _spectrum(self, node: int) -> Float[Array, "u v"]:
-        if node not in self._spectra:
-            self._spectra[node] = coarse_spectrum(self._ending(node))
-        return self._spectra[node]
+    def _spectrum(self, beam: int) -> Float[Array, "u v"]:
+        if beam not in self._spectra:
+            self._spectra[beam] = coarse_spectrum(self._ending(beam))
+        return self._spectra[beam]

@@ -1,8 +1,9 @@
 """One major cycle: all models are subtracted from the visibilities, and the residual is gathered as facets.
 
-In each band of baselines the models are drawn on tiles and degridded; the residual is imaged on the same tiles. From
-the coarsest band on, images are interpolated and added to those of the next finer band, and facets are cut out of the
-finest. Images are discarded after each block of samples; only the facets are added up.
+In each band of baselines the models are drawn on tiles and degridded; the residual is imaged on the same tiles, once
+for each of their filters (``tile_filters``). From the coarsest band on, images are interpolated and added to those of
+the next finer band, and facets are cut out of the finest. Images are discarded after each block of samples; only the
+facets are added up.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -14,6 +15,8 @@ import numpy as np
 from uvshear.execution import Executor
 from uvshear.extraction.converged.beams import BeamAccumulator, BeamPlan, Beams
 from uvshear.extraction.converged.plan import MajorCyclePlan
+from uvshear.extraction.converged.tile_filters import TileFilters, filters_of_plan
+from uvshear.extraction.converged.tile_sizes import work_of
 from uvshear.imaging.bands import Band
 from uvshear.imaging.interpolation import refined
 from uvshear.imaging.tangent import TangentPlane
@@ -23,11 +26,14 @@ from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.blocks import BlockAccumulator
 from uvshear.predict.gridded import Gridding, ModelledSky, predict_samples, slabs
-from uvshear.predict.response import Response
+from uvshear.predict.response import Response, SeenAs
 from uvshear.typing import Array, Complex, Float
 
 OnWork = Callable[[float], None]
 """Function that is called with the work that has been done [nanoseconds, roughly]."""
+
+Images = list[Array]
+"""Images of one tile, one for each of its filters."""
 
 Facets = tuple[Complex[Array, " _"], ...]
 """Data on the cells of each source's facet."""
@@ -120,6 +126,7 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
     ) -> None:
         super().__init__(plan.shortest, plan.longest, gridding.block)
         self._plan, self._sky, self._gridding, self._on_work = plan, sky, gridding, on_work
+        self._filters = filters_of_plan(plan, sky.galaxies, sky.response)
         self._facets = [np.zeros(len(cutout.multiplicity), np.complex64) for cutout in plan.cutouts]
 
     def add_sums(self, later: Self) -> None:
@@ -139,32 +146,24 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
         """Subtract the models, image the residual and cut out the facets, band by band."""
         plan, sky, gridding = self._plan, self._sky, self._gridding
         number = plan.band_of(samples.uv_distance)
-        coarser: list[Float[Array, "l m"]] = []
+        coarser: list[Images] = []
         for b in range(len(plan.bands) - 1, plan.top - 1, -1):
-            band, tiles = plan.bands[b], plan.tiles[b]
+            band, tiles, filters = plan.bands[b], plan.tiles[b], self._filters[b]
             part = samples.select(np.flatnonzero(number == b))
             weighted = _weighted_residual(part, tiles, band, sky, gridding)
-            images = []
-            for tile, image in zip(
-                tiles, _images(part, weighted, tiles, band, sky.response, gridding), strict=True
-            ):
+            new = _images(part, weighted, tiles, filters, band, sky.response, gridding)
+            kept = []
+            for tile, matched, images in zip(tiles, filters, new, strict=True):
                 if tile.parent >= 0:
-                    above = plan.tiles[b + 1][tile.parent]
-                    (i, j), (k, l) = tile.origin, above.origin
-                    shift = i - 2 * k, j - 2 * l
-                    np.add(image, refined(coarser[tile.parent], shift, tile.size), out=image)
+                    above = plan.tiles[b + 1][tile.parent], self._filters[b + 1][tile.parent]
+                    _add_coarser(images, tile, matched, coarser[tile.parent], *above)
                 if b == plan.top:
-                    _cut(image, tile, plan, self._facets, gridding.executor)
+                    _cut(images, tile, matched, plan, self._facets, gridding.executor)
                 else:
-                    images.append(image)
+                    kept.append(images)
                 if self._on_work is not None:
                     self._on_work(work_of(len(part), tile))
-            coarser = images
-
-
-def work_of(samples: int, tile: Tile) -> float:
-    """Estimate the cost of a tile [nanoseconds]."""
-    return 700 * samples + 150 * tile.size**2
+            coarser = kept
 
 
 def _weighted_residual(
@@ -184,31 +183,57 @@ def _images(
     samples: Samples,
     weighted: Complex[Array, " sample"],
     tiles: Sequence[Tile],
+    filters: Sequence[TileFilters],
     band: Band,
     response: Response,
     gridding: Gridding,
-) -> Iterator[Float[Array, "l m"]]:
-    """Image each tile in turn, with the response at its centre as matched filter."""
+) -> Iterator[Images]:
+    """Image each tile in turn, with each of its filters."""
 
-    def image(task: tuple[Tile, slice]) -> Float[Array, "l m"]:
-        tile, rows = task
-        centre = tile.centre(band.pixel)
-        filtered = weighted[rows] * response.matched_filter(samples.select(rows), *centre)
-        plane = TangentPlane.at(samples.uvw[rows], *centre)
+    def image(task: tuple[Tile, SeenAs, slice]) -> Float[Array, "l m"]:
+        tile, seen_as, rows = task
+        filtered = weighted[rows] * response.matched_filter(samples.select(rows), *seen_as)
+        plane = TangentPlane.at(samples.uvw[rows], *tile.centre(band.pixel))
         return plane.image(filtered, tile.size, band.pixel, gridding.epsilon)
 
     parts_of_rows = slabs(len(samples))
-    parts = gridding.executor.map(image, ((tile, rows) for tile in tiles for rows in parts_of_rows))
-    for _ in tiles:
-        total = next(parts)
-        for _ in parts_of_rows[1:]:
-            total += next(parts)
-        yield total
+    tasks = (
+        (tile, seen_as, rows)
+        for tile, matched in zip(tiles, filters, strict=True)
+        for seen_as in matched.seen_as
+        for rows in parts_of_rows
+    )
+    parts = gridding.executor.map(image, tasks)
+    for matched in filters:
+        images = []
+        for _ in matched.seen_as:
+            total = next(parts)
+            for _ in parts_of_rows[1:]:
+                total += next(parts)
+            images.append(total)
+        yield images
+
+
+def _add_coarser(
+    images: Images,
+    tile: Tile,
+    matched: TileFilters,
+    coarser: Images,
+    above: Tile,
+    matched_above: TileFilters,
+) -> None:
+    """Add the images of the coarser tile above, mixed for each filter of the finer one."""
+    (i, j), (k, l) = tile.origin, above.origin
+    shift = i - 2 * k, j - 2 * l
+    for source, image in zip(matched.chosen.tolist(), images, strict=True):
+        mixed = matched_above.mixed(coarser, source)
+        np.add(image, refined(mixed, shift, tile.size), out=image)
 
 
 def _cut(
-    image: Float[Array, "l m"],
+    images: Images,
     tile: Tile,
+    matched: TileFilters,
     plan: MajorCyclePlan,
     facets: Sequence[Complex[Array, " _"]],
     executor: Executor,
@@ -219,7 +244,7 @@ def _cut(
         cutout, facet = plan.cutouts[source], facets[source]
         size, place = cutout.size // 2**plan.top, plan.place[source] // 2**plan.top
         i, j = place - tile.origin - size // 2
-        square = image[i : i + size, j : j + size]
+        square = matched.mixed([image[i : i + size, j : j + size] for image in images], source)
         if plan.top == 0:
             facet += cutout.transform(square)
         else:

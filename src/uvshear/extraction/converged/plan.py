@@ -7,7 +7,7 @@ import numpy as np
 
 from uvshear.imaging.bands import Band, octaves
 from uvshear.imaging.cutout import Cutout, cutout, cutout_size
-from uvshear.imaging.tiles import Footprint, Tile, plan_tiles
+from uvshear.imaging.tiles import CORE, Footprint, Tile, plan_tiles
 from uvshear.typing import Array, Float, Int
 
 SMALL = 0.67
@@ -94,12 +94,17 @@ class MajorCyclePlan:
 
 
 def plan_major_cycle(
-    requests: FacetRequests, shortest: float, longest: float, finest: float | None = None
+    requests: FacetRequests,
+    shortest: float,
+    longest: float,
+    finest: float | None = None,
+    core: int = CORE,
 ) -> MajorCyclePlan:
     """Plan for baselines from ``shortest`` to ``longest``, on pixels that can represent ``finest`` [wavelengths].
 
     Sources interact on pixels twice as wide as the finest: where an array does not resolve them, these pixels must
-    represent all of its baselines, and ``finest`` is up to twice ``longest``.
+    represent all of its baselines, and ``finest`` is up to twice ``longest``. Tiles cover at most ``core`` pixels of
+    the finest band along a side, without their margins.
     """
     finest = max(finest or longest, longest)
     lm = np.column_stack([requests.l, requests.m])
@@ -116,5 +121,5 @@ def plan_major_cycle(
     )
     place = 2 * np.rint(lm / (2 * pixel)).astype(int)
     footprint = Footprint(requests.l, requests.m, (np.array(sizes) / 2 + 2) * pixel)
-    tiles = plan_tiles(footprint, pixel, len(bands))
+    tiles = plan_tiles(footprint, pixel, len(bands), core)
     return MajorCyclePlan(shortest, longest, bands, tiles, cutouts, place, lm - place * pixel)

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -10,7 +11,10 @@ from uvshear.extraction.converged.baselines import Baselines
 from uvshear.extraction.converged.beams import SIZE, BeamPlan
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.plan import FacetRequests, MajorCyclePlan, plan_major_cycle
+from uvshear.extraction.converged.tile_sizes import cheapest_core
+from uvshear.galaxy import Galaxies
 from uvshear.imaging.bands import OVERSAMPLING
+from uvshear.imaging.tiles import CORE
 from uvshear.predict.gridded import ModelledSky
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Float
@@ -34,11 +38,30 @@ class Planner:
         Baselines that are used.
     scale_lengths
         Width of a facet over the median scale length; facets are wider for galaxies that turn out to be larger.
+    core
+        Largest number of pixels that a tile covers along a side, without its margins.
     """
 
     modelled: ModelledField
     baselines: Baselines
     scale_lengths: float
+    core: int = CORE
+
+    @classmethod
+    def from_field(
+        cls, modelled: ModelledField, baselines: Baselines, scale_lengths: float
+    ) -> Self:
+        """Choose the size of the tiles for the sources as they are expected."""
+        large = cls(modelled, baselines, scale_lengths)
+        used = baselines.shortest, baselines.longest, baselines.finest
+        core = cheapest_core(
+            large._requests(modelled.expected),
+            used,
+            large._sources,
+            modelled.response,
+            modelled.field.summary,
+        )
+        return replace(large, core=core)
 
     @property
     def pixel(self) -> float:
@@ -48,7 +71,9 @@ class Planner:
     def plan(self, fits: Sequence[GalaxyFit]) -> MajorCyclePlan:
         """Plan a major cycle with all baselines."""
         used = self.baselines
-        return plan_major_cycle(self._requests(fits), used.shortest, used.longest, used.finest)
+        return plan_major_cycle(
+            self._requests(fits), used.shortest, used.longest, used.finest, self.core
+        )
 
     def plan_roughly(self, fits: Sequence[GalaxyFit]) -> MajorCyclePlan:
         """Plan a major cycle without the longest baselines, the most expensive ones, if there are several bands."""
@@ -57,12 +82,14 @@ class Planner:
             return plan
         used = self.baselines
         longest = min(plan.bands[0].shortest, used.longest)
-        return plan_major_cycle(self._requests(fits), used.shortest, longest, used.finest)
+        return plan_major_cycle(
+            self._requests(fits), used.shortest, longest, used.finest, self.core
+        )
 
     def plan_beams(self) -> BeamPlan:
         """Plan the beams around the sources."""
-        used = self.baselines
-        return BeamPlan.around(self.modelled.centres, used.shortest, used.longest, self.pixel)
+        used, response = self.baselines, self.modelled.response
+        return BeamPlan.around(self._sources, response, used.shortest, used.longest, self.pixel)
 
     def subtracted(self, fits: Sequence[GalaxyFit]) -> ModelledSky:
         """Return the sky that a major cycle subtracts, with the distance to which each source is drawn."""
@@ -72,6 +99,10 @@ class Planner:
         half = np.where(modelled.is_galaxy, half, POINT_STAMP / 2 * self.pixel)
         sky = modelled.sky(fits).select(modelled.field.modelled)
         return ModelledSky(sky, half, modelled.response, modelled.sources[0].profile)
+
+    @property
+    def _sources(self) -> Galaxies:
+        return self.modelled.field.sky.select(self.modelled.field.modelled)
 
     def _requests(self, fits: Sequence[GalaxyFit]) -> FacetRequests:
         l, m = self.modelled.centres.T

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 
 from uvshear.extraction.converged.beams import NANOSECONDS
-from uvshear.extraction.converged.major_cycle import work_of
 from uvshear.extraction.converged.plan import MajorCyclePlan
 from uvshear.extraction.converged.planner import Planner
+from uvshear.extraction.converged.tile_sizes import work_of
 
 FIT = 4e6
 """Cost of a fit [nanoseconds]."""
