@@ -10,6 +10,10 @@ from uvshear.shapes.source_facet import Kept, SourceFacet, Statistic, noise_name
 from uvshear.shapes.statistic_flag import StatisticFlag, flag_column
 from uvshear.typing import Array
 
+BYTES_PER_WORKER = 1.5e8
+"""Memory in which the statistics of one source are computed, measured with those of all estimators; what they keep for
+several sources takes another 0.4 GB at most."""
+
 
 def keep_statistics(
     state: SkyState,
@@ -30,9 +34,10 @@ def keep_statistics(
 
     kept: dict[int, Kept] = {}
     galaxies = _by_beam(state, modelled.galaxies)
-    for k, numbers in zip(
-        galaxies, setting.resources.executor.map(statistics, galaxies), strict=True
-    ):
+    resources = setting.resources
+    workers = min(resources.memory // BYTES_PER_WORKER, resources.executor.workers)
+    executor = resources.executor.at_most(int(workers))
+    for k, numbers in zip(galaxies, executor.map(statistics, galaxies), strict=True):
         on_source()
         kept[int(modelled.field.modelled[k])] = numbers
     return kept
@@ -54,10 +59,10 @@ def _by_beam(state: SkyState, galaxies: Sequence[int]) -> list[int]:
 
     Estimators keep what they work out for the last few beams only.
     """
-    cutouts, nearest = state.interaction.plan.cutouts, state.interaction.beams.nearest
+    cutouts, mixtures = state.interaction.plan.cutouts, state.interaction.beams.mixtures
 
-    def order(k: int) -> tuple[int, float, int]:
-        return cutouts[k].size, cutouts[k].longest, int(nearest[k])
+    def order(k: int) -> tuple[int, float, tuple[int, ...]]:
+        return cutouts[k].size, cutouts[k].longest, mixtures[k].beams
 
     return sorted(galaxies, key=order)
 
