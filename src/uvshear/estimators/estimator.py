@@ -7,7 +7,6 @@ from typing import ClassVar, Self
 from uvshear.estimators.sample import Row, Sample
 from uvshear.estimators.terms import Terms
 from uvshear.progress import Meter
-from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.shapes.statistic_flag import StatisticFlag
 from uvshear.shapes.table_row import shape_values
@@ -109,7 +108,7 @@ def observe(estimator: Estimator, source: SourceFacet) -> Row | None:
     row: Row = {"flux": source.flux}
     if set(estimator.shape_columns) - set(row):
         shape = source.shape
-        if shape.flag is not FitFlag.OK:
+        if not shape.flag.is_fitted:
             return None
         row |= shape_values(shape, source.population)
     numbers = estimator.numbers(source)

@@ -85,7 +85,10 @@ class Metacal(Estimator):
 
         def measure(seen: Facet) -> Float[Array, " 2"] | None:
             own = seen.in_other_unit(source.unit)
-            behind = replace(source, facet=own, cells=known.cells, beam=seen.power)
+            # A cut would change the response to the shear, and the round beam costs significance.
+            behind = replace(
+                source, facet=own, cells=known.cells, beam=seen.power, tests_significance=False
+            )
             row = observe(self.wrapped, behind)
             if row is None:
                 return None

@@ -14,6 +14,7 @@ from uvshear.interferometer.facet import Facet
 from uvshear.shapes.measurement import ShapeMeasurement
 from uvshear.shapes.prior import ShapePrior
 from uvshear.shapes.shape import measure_shape
+from uvshear.shapes.significance import with_significance
 from uvshear.shapes.statistic_flag import StatisticFlag
 from uvshear.typing import Array, Complex, Float
 
@@ -87,6 +88,8 @@ class SourceFacet:
     beam
         Power of the facet in that other unit, bit for bit the same for all sources with the same beam; the power of the
         facet itself unless given.
+    tests_significance
+        Whether a source that the data do not show, or do not tell from a point, has a flag, as in a table of shapes.
     """
 
     facet: Facet
@@ -98,6 +101,7 @@ class SourceFacet:
     draw_noise: DrawNoise
     unit: float = 1.0
     beam: Float[Array, " cell"] | None = None
+    tests_significance: bool = True
 
     @property
     def common(self) -> Facet:
@@ -120,7 +124,10 @@ class SourceFacet:
     @cached_property
     def shape(self) -> ShapeMeasurement:
         """Shape measured on the facet."""
-        return measure_shape(self.facet, self.prior, self.profile)
+        shape = measure_shape(self.facet, self.prior, self.profile)
+        if not self.tests_significance:
+            return shape
+        return with_significance(shape, self.facet, self.prior, self.profile)
 
 
 @runtime_checkable

@@ -140,7 +140,7 @@ class ConvergedExtraction(Extraction):
             if plan.has_all_baselines and is_last:
                 break
 
-        measurements = measure_shapes(state, modelled, executor, on_shape)
+        measurements = measure_shapes(state, modelled, history, executor, on_shape)
         record = self._record(history, baselines)
         statistics: Mapping[int, Kept] = {}
         if setting.keep:

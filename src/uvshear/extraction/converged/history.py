@@ -37,16 +37,16 @@ class History:
     @property
     def left_undone(self) -> float:
         """Change that another major cycle would bring, rms over the sources."""
-        return self.change_rms[-1] * self._shrinkage
+        return self.change_rms[-1] * self.shrinkage
 
     @property
     def left_undone_most(self) -> float:
         """Largest change of a source that another major cycle would bring."""
-        return self.change_max[-1] * self._shrinkage
+        return self.change_max[-1] * self.shrinkage
 
     @property
-    def _shrinkage(self) -> float:
-        """Factor from one change to the next: changes shrink by about the same factor each time."""
+    def shrinkage(self) -> float:
+        """Factor from one change of the sky to the next: changes shrink by about the same factor each time."""
         if len(self) == 1:
             return 1.0
         before, last = self.change_rms[-2:]
