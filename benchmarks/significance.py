@@ -4,8 +4,7 @@
     python benchmarks/significance.py --cases empty points --record FILE.json
 
 Sources stand on a lattice, 70 arcsec apart for SKA-Mid and 180 arcsec for MeerKAT. The noise is that of a
-signal-to-noise
-ratio of 10 for a galaxy of 10 uJy. All sources are listed in the catalogue as galaxies.
+signal-to-noise ratio of 10 for a galaxy of 10 uJy. All sources are listed in the catalogue as galaxies.
 """
 
 import argparse

@@ -11,6 +11,7 @@ import typer
 from uvshear.cli.beams import NONE, PrimaryBeamOption, beam_of_observation
 from uvshear.cli.convergence import tell_convergence
 from uvshear.cli.extractions import CONVERGED, ExtractionChoice, FacetName
+from uvshear.cli.missing_statistics import tell_missing_statistics
 from uvshear.cli.options import (
     Overwrite,
     Threads,
@@ -334,6 +335,7 @@ def measure(
     if cause := why_none_was_measured(measurement.shapes):
         raise InputError(f"{output}: no galaxy was measured: {cause}")
     tell_convergence(measurement.record)
+    tell_missing_statistics(measurement)
     if residual_image is not None:
         from uvshear.io.images import write_residual_image
 

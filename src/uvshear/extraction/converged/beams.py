@@ -251,7 +251,8 @@ class BeamAccumulator(BlockAccumulator[Beams]):
             return beam, part, len(plane.phase)
 
         tasks = [(beam, rows) for beam in range(len(plan.nodes)) for rows in slabs(len(samples))]
-        for beam, part, count in gridding.executor.map(image, tasks):
+        executor = gridding.executor_for(SIZE, len(samples))
+        for beam, part, count in executor.map(image, tasks):
             self._images[beam] += part
             if self._on_work is not None:
                 self._on_work(NANOSECONDS * count)

@@ -35,7 +35,7 @@ from uvshear.extraction.extraction import Extracted, Extraction, Setting
 from uvshear.extraction.field import Field
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
-from uvshear.predict.gridded import Gridding, block_of
+from uvshear.predict.gridded import Gridding
 from uvshear.progress import Meter, Progress
 from uvshear.shapes.source_facet import Kept
 
@@ -108,7 +108,7 @@ class ConvergedExtraction(Extraction):
         modelled = ModelledField.from_field(field, setting.model, centre.dec)
         baselines = Baselines.from_field(field, modelled.is_galaxy, self.shortest)
         planner = Planner.from_field(modelled, baselines, self.scale_lengths)
-        gridding = Gridding(self._epsilon(field), block_of(setting.resources.memory), executor)
+        gridding = Gridding.within(setting.resources, field.summary.samples, self._epsilon(field))
         on_fit, on_shape, on_statistics = (
             partial(meter.add, work) for work in (FIT, POSTERIOR, STATISTICS)
         )
