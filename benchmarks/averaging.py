@@ -21,6 +21,7 @@ from scipy.optimize import brentq
 
 import uvshear
 from uvshear.constants import ARCMIN, ARCSEC
+from uvshear.execution import SERIAL
 from uvshear.galaxy import CatalogueSize, Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.attenuation import Attenuation, total_attenuation
@@ -37,7 +38,9 @@ HALF = 10 * ARCMIN
 LAYOUT = load_layout("vla-a")
 DIAMETER = 95.0
 """Diameter of dishes whose power beam falls to 20 per cent at the edge of the field [m]."""
-HOURS = np.radians(15) * np.array([-3.0, -1.0, 1.0, 3.0])
+HOURS = np.radians(15) * np.linspace(-3.5, 3.5, 16)
+LENGTH = 0.025 * np.radians(15)
+"""Hour angles in the middle of the parts of the observation, and the length of each."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +115,9 @@ def measured(kept: float, number: int, seed: int, noise: bool, has_beam: bool) -
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         model = uvshear.Model(size=CatalogueSize(), primary_beam=beam)
-        shapes = uvshear.measure(seen, catalogue, model=model).shapes
+        shapes = uvshear.measure(
+            seen, catalogue, model=model, resources=uvshear.Resources(SERIAL)
+        ).shapes
     seconds = time.process_time() - started
     good = np.array(shapes["flag"]) == "ok"
     error = [shapes["e1"] - sky.ellipticity.real, shapes["e2"] - sky.ellipticity.imag]
@@ -136,7 +141,7 @@ def plan_of(kept: float, beam: Attenuation | None) -> ObservingPlan:
 
 
 def _plan(stretch: float, beam: Attenuation | None) -> ObservingPlan:
-    hours = tuple((hour - np.radians(15) / 4, hour + np.radians(15) / 4) for hour in HOURS)
+    hours = tuple((hour - LENGTH / 2, hour + LENGTH / 2) for hour in HOURS)
     channels = Channels(np.array([1.3e9, 1.45e9]), np.full(2, 8e6 * stretch))
     return ObservingPlan(LAYOUT, Track(CENTRE, hours, 20 * stretch), channels, True, beam)
 

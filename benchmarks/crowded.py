@@ -34,6 +34,7 @@ from uvshear.galaxy import Exponential, Galaxies, SizeFluxRelation
 from uvshear.interferometer.facet import Facet
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
+from uvshear.pipeline.sample import FITTED
 from uvshear.predict.gridded import Gridding, ModelledSky
 from uvshear.predict.response import Response
 from uvshear.shapes.measurement import GalaxyFit
@@ -71,7 +72,7 @@ def main() -> None:
     print(", ".join(f"{n} {flag}" for flag, n in zip(flags, counts, strict=True)), flush=True)
     alone = None if arguments.without_isolated else isolated(galaxies, noise, executor)
     if arguments.record:
-        flagged = int(np.sum(np.array(shapes["flag"]) != "ok"))
+        flagged = int(np.sum(~np.isin(np.array(shapes["flag"]), FITTED)))
         found = {
             "galaxies": len(galaxies),
             "rows": rows,
@@ -169,8 +170,8 @@ def isolated(galaxies: Galaxies, noise: VisibilitySet, executor: Executor) -> Ta
 
 
 def slopes_of(galaxies: Galaxies, table: Table) -> dict[str, float]:
-    """Slopes of the galaxies without a flag, by every definition."""
-    good = np.array(table["flag"]) == "ok"
+    """Slopes of the galaxies whose fit succeeded, by every definition."""
+    good = np.isin(np.array(table["flag"]), FITTED)
     columns = (np.array(table[name], float) for name in ("e1", "e2", "e1_err", "e2_err"))
     e1, e2, e1_err, e2_err = (column[good] for column in columns)
     return {"measured": int(good.sum())} | slope_figures(
@@ -184,7 +185,7 @@ def slopes_of(galaxies: Galaxies, table: Table) -> dict[str, float]:
 def summarise(galaxies: Galaxies, measured: dict[str, Table | None]) -> Table:
     """Scatter, slopes and pulls of the galaxies that every way has measured."""
     tables = {which: table for which, table in measured.items() if table is not None}
-    both = np.all([np.array(table["flag"]) == "ok" for table in tables.values()], axis=0)
+    both = np.all([np.isin(np.array(table["flag"]), FITTED) for table in tables.values()], axis=0)
     rows = [
         {"which": which, "flux": name, **figures(galaxies, table, chosen)}
         for name, chosen in (("all", both), ("> 25 uJy", both & (galaxies.flux > BRIGHT)))

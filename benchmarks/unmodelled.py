@@ -21,6 +21,7 @@ from uvshear.execution import in_threads
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import Catalogue, catalogue_from_galaxies
+from uvshear.pipeline.sample import FITTED
 from uvshear.predict import predict_visibilities
 
 NEAR = 10 * ARCSEC
@@ -117,7 +118,7 @@ def join(catalogue: Catalogue, star: Galaxies) -> Catalogue:
 def tell(name: str, galaxies: Galaxies, right: Table, table: Table, wrong: np.ndarray) -> None:
     """Print a line; the first rows of ``table`` are the galaxies."""
     shapes = table[: len(galaxies)]
-    both = (np.array(shapes["flag"]) == "ok") & (np.array(right["flag"]) == "ok")
+    both = np.isin(np.array(shapes["flag"]), FITTED) & np.isin(np.array(right["flag"]), FITTED)
     parts = (("e1", galaxies.ellipticity.real), ("e2", galaxies.ellipticity.imag))
     change = np.stack([(shapes[e] - right[e]) / right[f"{e}_err"] for e in ("e1", "e2")])
     place_ = np.column_stack([galaxies.l, galaxies.m])

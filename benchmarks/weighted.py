@@ -21,6 +21,7 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.interferometer.weighting import Briggs, GaussianTaper, RoundPsf, Uniform
 from uvshear.io.catalogue import catalogue_from_galaxies
+from uvshear.pipeline.sample import FITTED
 from uvshear.predict import predict_visibilities
 from uvshear.simulation.population import Population, draw_population
 from uvshear.simulation.sky_region import SquareField
@@ -53,7 +54,7 @@ def main() -> None:
         method = uvshear.Method(weightings=weightings)
         resources = uvshear.Resources(executor=in_threads(arguments.threads))
         shapes = uvshear.measure(observation, catalogue, method=method, resources=resources).shapes
-        good = np.array(shapes["flag"]) == "ok"
+        good = np.isin(np.array(shapes["flag"]), FITTED)
         pull = np.concatenate([((shapes[e] - true[e]) / shapes[f"{e}_err"])[good] for e in true])
         width = 1.4826 * np.median(np.abs(pull))
         error = np.median(np.array(shapes["e1_err"])[good])

@@ -16,7 +16,6 @@ from astropy.table import Table
 import uvshear
 
 # Bright sources in long integrations make neighbouring samples differ by more than noise.
-pytestmark = pytest.mark.filterwarnings("ignore:.*times what the weights claim")
 
 SETTING = """
 plan = uvshear.ObservingPlan(

@@ -122,7 +122,6 @@ if TYPE_CHECKING:
         load_layout,
     )
     from uvshear.interferometer.noise import CorrelationNoise, Noise, ScaledNoise, StokesINoise
-    from uvshear.interferometer.noise_estimate import scaled_to_its_noise
     from uvshear.interferometer.primary_beam import (
         AiryBeam,
         CosineCubedBeam,
@@ -130,6 +129,7 @@ if TYPE_CHECKING:
         PrimaryBeam,
     )
     from uvshear.interferometer.psf_shape import fit_main_lobe, measure_psf
+    from uvshear.interferometer.scaled_observation import scaled_to_its_noise
     from uvshear.interferometer.weighting import (
         Briggs,
         GaussianTaper,
@@ -187,7 +187,7 @@ _HOMES = {
         "known_layouts load_layout"
     ),
     "interferometer.noise": "CorrelationNoise Noise ScaledNoise StokesINoise",
-    "interferometer.noise_estimate": "scaled_to_its_noise",
+    "interferometer.scaled_observation": "scaled_to_its_noise",
     "interferometer.primary_beam": "AiryBeam CosineCubedBeam CosineTaperBeam PrimaryBeam",
     "interferometer.psf_shape": "fit_main_lobe measure_psf",
     "interferometer.weighting": (

@@ -7,3 +7,7 @@ class InputError(ValueError):
 
 class DataWarning(UserWarning):
     """Warning of something in the data that a user should know, but that does not prevent a measurement."""
+
+
+class NothingMeasuredWarning(DataWarning):
+    """No galaxy could be measured; the message says why that is likely."""

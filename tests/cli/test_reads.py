@@ -85,7 +85,6 @@ def test_notes_about_the_data_come_before_the_first_fit(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     field = written(tmp_path)
-    change(field, "WEIGHT_SPECTRUM", 1e-3)
     change(field, "DATA", np.nan, rows=slice(0, 2))
     told: list[str] = []
 
@@ -97,9 +96,26 @@ def test_notes_about_the_data_come_before_the_first_fit(
     output = tmp_path / "shapes.fits"
     outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output)
     assert outcome.status == 130
-    notes = told[0].splitlines()
-    assert all(line.startswith(f"uvshear: note: {field}: ") for line in notes)
-    assert any("times what the weights claim" in line for line in notes)
-    assert any("are NaN or infinite" in line for line in notes)
+    (note,) = told[0].splitlines()
+    assert note.startswith(f"uvshear: note: {field}: ")
+    assert "are NaN or infinite" in note
     assert "note" not in outcome.err
     assert not output.exists()
+
+
+def test_the_noise_is_told_once_when_the_sources_are_fitted(
+    uvshear: Callable, tmp_path: Path, catalogue: Path
+) -> None:
+    field = written(tmp_path)
+    change(field, "WEIGHT_SPECTRUM", 1e-3)
+    output = tmp_path / "shapes.fits"
+    outcome = uvshear("measure", field, "--catalogue", catalogue, "-o", output)
+    assert outcome.status == 0, outcome.err
+    (note,) = (line for line in outcome.err.splitlines() if "the weights" in line)
+    assert note.startswith(f"uvshear: note: {field}: the noise is ")
+    assert "times what the weights claim, judging by" in note
+    outcome = uvshear(
+        "measure", field, "--catalogue", catalogue, "-o", output, "--noise", "data", "--overwrite"
+    )
+    assert outcome.status == 0, outcome.err
+    assert "the weights" not in outcome.err

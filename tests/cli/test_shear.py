@@ -60,7 +60,7 @@ def test_the_shear_is_told_and_written(uvshear: Callable, tmp_path: Path, shapes
     assert estimate["command"] == "uvshear shear"
     assert estimate["inputs"] == [str(shapes)]
     assert estimate["options"]["estimator"] == "mean"
-    assert estimate["cuts"] == {"snr_min": 0.0, "flux_min_ujy": 0.0}
+    assert estimate["cuts"] == {"snr_min": 0.0, "detection_min": 0.0, "flux_min_ujy": 0.0}
     assert estimate["seed"] == 1
     assert datetime.fromisoformat(estimate["date"]).utcoffset() is not None
     assert estimate["calibration"] is None

@@ -1,5 +1,7 @@
 """One galaxy before an array like SKA-Mid or MeerKAT, as an estimator is given it."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from uvshear.bias.mock_facets import FacetSimulator
@@ -40,3 +42,9 @@ def source_facet(
         population=DiscEllipticityPrior(),
         draw_noise=noise_named(name, len(power)),
     )
+
+
+def in_other_unit(source, unit):
+    """The same source with a unit of flux of its own, and the beam that it shares with the other."""
+    facet = source.facet.in_other_unit(unit)
+    return replace(source, facet=facet, unit=unit, beam=source.facet.power)

@@ -18,6 +18,7 @@ from uvshear.estimators.population_fit import fit_population
 from uvshear.estimators.sample import Sample
 from uvshear.galaxy import Gaussian, SizeFluxRelation
 from uvshear.geometry.ellipticity import add_shear
+from uvshear.shapes.statistic_flag import StatisticFlag
 
 
 def _rings(g, number=25, seed=8):
@@ -110,7 +111,7 @@ def test_the_profile_is_that_of_the_source():
 def test_a_facet_without_a_galaxy_has_no_statistic():
     source = source_facet(flux=-5e-5, noise=0.1)
     bayesian = Bayesian()
-    assert bayesian.statistic(source) is None
+    assert bayesian.statistic(source) is StatisticFlag.NOT_FITTED
     assert bayesian.numbers(source) is None
     assert observe(bayesian, source) is None
 

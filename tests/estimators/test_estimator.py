@@ -1,11 +1,11 @@
 """The base class, and the rows of samples that come from facets."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from tests.estimators.facets import source_facet
+from tests.estimators.facets import in_other_unit, source_facet
 from uvshear.bias.isolated import MockGalaxy
 from uvshear.estimators.bayesian import Bayesian
 from uvshear.estimators.estimate import sky_terms
@@ -66,7 +66,7 @@ def test_a_measured_sample_and_a_simulated_one_have_the_same_terms(estimator):
 def test_what_is_prepared_for_one_source_serves_others_of_another_unit_of_flux(estimator):
     """A source whose spectral index is its own has a facet in a unit of its own."""
     source, shared = source_facet(), estimator()
-    other_unit = replace(source, facet=source.facet.in_other_unit(1.3))
+    other_unit = in_other_unit(source, 1.3)
     shared.statistic(source)
     again, fresh = shared.statistic(other_unit), estimator().statistic(other_unit)
     for name, value in fresh.items():

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from tests.estimators.facets import source_facet
+from tests.estimators.facets import in_other_unit, source_facet
 from uvshear.errors import InputError
 from uvshear.estimators.bayesian import Bayesian
 from uvshear.estimators.estimate import estimate_sample_shear
@@ -17,6 +17,7 @@ from uvshear.estimators.moments import Moments
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.terms import Terms
 from uvshear.shapes.source_facet import noise_named
+from uvshear.shapes.statistic_flag import StatisticFlag
 
 
 def test_sources_of_other_fields_have_other_noise():
@@ -47,7 +48,7 @@ def test_a_round_beam_is_no_wider_than_the_array():
 def test_sources_of_one_beam_share_the_round_beam_whatever_their_unit():
     source, metacal = source_facet(), Metacal()
     metacal.statistic(source)
-    metacal.statistic(replace(source, facet=source.facet.in_other_unit(1.3)))
+    metacal.statistic(in_other_unit(source, 1.3))
     assert len(metacal._beams) == 1
 
 
@@ -71,7 +72,7 @@ class Fickle(Estimator):
 
 def test_a_source_of_which_one_measurement_fails_has_no_statistic():
     """Its response would be that of the failure."""
-    assert Metacal(Fickle()).statistic(source_facet()) is None
+    assert Metacal(Fickle()).statistic(source_facet()) is StatisticFlag.NOT_FITTED
 
 
 def test_a_source_that_was_never_measured_has_no_statistic():
@@ -79,7 +80,7 @@ def test_a_source_that_was_never_measured_has_no_statistic():
         def statistic(self, source):
             return None
 
-    assert Metacal(Blind()).statistic(source_facet()) is None
+    assert Metacal(Blind()).statistic(source_facet()) is StatisticFlag.NOT_FITTED
 
 
 def test_moments_behind_a_round_beam_respond_as_they_say_themselves():

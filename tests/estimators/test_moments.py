@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.estimators.facets import source_facet
+from tests.estimators.facets import in_other_unit, source_facet
 from tests.skies import galaxies, vla
 from uvshear.constants import ARCSEC
 from uvshear.estimators.estimate import estimate_sample_shear
@@ -86,7 +86,7 @@ def test_the_unit_of_the_flux_is_that_of_the_facet():
     source = source_facet()
     moments = Moments()
     first = moments.statistic(source)
-    again = moments.statistic(replace(source, facet=source.facet.in_other_unit(1.3)))
+    again = moments.statistic(in_other_unit(source, 1.3))
     assert first["m1"] == pytest.approx(1.3 * again["m1"])
     assert first["m1_var"] == pytest.approx(1.3**2 * again["m1_var"])
     assert len(moments._functionals) == 1

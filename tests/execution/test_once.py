@@ -6,7 +6,7 @@ from uvshear.execution.once import KeptOnce
 
 
 def test_a_value_is_worked_out_once_however_many_threads_ask():
-    kept, calls = KeptOnce(), []
+    kept, calls = KeptOnce(2), []
 
     def work_out():
         calls.append(1)
@@ -19,13 +19,21 @@ def test_a_value_is_worked_out_once_however_many_threads_ask():
 
 
 def test_each_key_has_its_own_value():
-    kept = KeptOnce()
+    kept = KeptOnce(2)
     assert [kept.value(key, lambda key=key: 2 * key) for key in (1, 2, 1)] == [2, 4, 2]
 
 
+def test_the_value_that_was_not_asked_for_the_longest_gives_way():
+    kept, calls = KeptOnce(2), []
+    for key in (1, 2, 1, 3, 1, 2):
+        kept.value(key, lambda key=key: calls.append(key))
+        assert len(kept) <= 2
+    assert calls == [1, 2, 3, 2]
+
+
 def test_what_is_kept_travels_between_processes():
-    kept = KeptOnce()
+    kept = KeptOnce(2)
     kept.value("key", lambda: 3)
     there = pickle.loads(pickle.dumps(kept))
     assert there.value("key", lambda: 4) == 3
-    assert pickle.loads(pickle.dumps(KeptOnce())).value("key", lambda: 5) == 5
+    assert pickle.loads(pickle.dumps(KeptOnce(2))).value("key", lambda: 5) == 5

@@ -12,7 +12,7 @@ from uvshear.execution import Executor, Serial, Threads
 from uvshear.interferometer.accumulate import Accumulator, accumulate, show
 from uvshear.interferometer.baseline_map import BaselineMapAccumulator
 from uvshear.interferometer.count_samples import SampleCountsAccumulator
-from uvshear.interferometer.noise_estimate import NoiseRatioAccumulator
+from uvshear.interferometer.noise_sample import NoiseSampleAccumulator
 from uvshear.interferometer.ranges import RangesAccumulator
 from uvshear.interferometer.summary import SummaryAccumulator
 
@@ -20,7 +20,7 @@ ACCUMULATORS: list[Callable[[], Accumulator[Any]]] = [
     BaselineMapAccumulator,
     lambda: BaselineMapAccumulator(lambda seen: np.exp(-seen.uv_distance / 1e4)),
     SampleCountsAccumulator,
-    NoiseRatioAccumulator,
+    NoiseSampleAccumulator,
     RangesAccumulator,
     SummaryAccumulator,
 ]
@@ -48,10 +48,10 @@ class Collector(Accumulator[list[float]]):
 
 
 def _numbers(result: Any) -> list[Any]:
-    """Everything in a result that can be compared, but for the samples that were drawn at random."""
-    if not hasattr(result, "__dataclass_fields__"):
-        return [result]
-    return [value for name, value in asdict(result).items() if name != "probes"]
+    """Everything in a result that can be compared, but for the probes, which parts draw with numbers of their own."""
+    if isinstance(result, dict):
+        return [n for name, value in result.items() if name != "probes" for n in _numbers(value)]
+    return _numbers(asdict(result)) if hasattr(result, "__dataclass_fields__") else [result]
 
 
 @pytest.mark.parametrize("make", ACCUMULATORS)

@@ -1,16 +1,12 @@
 """Warnings about data, as functions of what a pass has gathered."""
 
-import pytest
-
-from tests.interferometer.chunks import observation
 from uvshear.interferometer.data_warnings import DataQuality, data_warnings
-from uvshear.interferometer.origin import Origin
 from uvshear.interferometer.sample_counts import SampleCounts
 
 
 def test_good_data_call_for_no_warning():
     counts = SampleCounts(rows=10, samples=40, usable=30, flagged=10)
-    assert data_warnings(DataQuality("a.ms", counts=counts, noise_ratio=1.1)) == ()
+    assert data_warnings(DataQuality("a.ms", counts=counts)) == ()
     assert data_warnings(DataQuality("a.ms")) == ()
 
 
@@ -26,14 +22,3 @@ def test_samples_left_out_without_a_flag_are_counted():
 
 def test_notices_carry_the_name_of_the_data():
     assert data_warnings(DataQuality("a.ms", ("it is odd",))) == ("a.ms: it is odd",)
-
-
-@pytest.mark.parametrize("ratio", [1e-4, 0.5, 3.0])
-def test_weights_of_another_noise_are_told(ratio):
-    (warning,) = data_warnings(DataQuality("a.ms", noise_ratio=ratio))
-    assert warning.startswith(f"a.ms: the noise is {ratio:.3g} times what the weights claim")
-
-
-def test_weights_that_make_no_claim_are_not_compared():
-    origin = Origin(observation(1), "a.ms", weights_tell_noise=False)
-    assert DataQuality.from_pass(origin, None, 3.0).noise_ratio is None

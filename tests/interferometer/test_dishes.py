@@ -11,8 +11,8 @@ from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.dishes import dish_diameters, pointing_of
 from uvshear.interferometer.joint_observation import JointObservation
-from uvshear.interferometer.noise_estimate import ScaledObservation
 from uvshear.interferometer.origin import Origin
+from uvshear.interferometer.scaled_observation import ScaledObservation
 
 
 @dataclass(frozen=True)

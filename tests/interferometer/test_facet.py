@@ -1,7 +1,6 @@
 """Facets: cells of the uv plane around one direction."""
 
 import numpy as np
-import pytest
 
 from uvshear.interferometer.facet import Facet
 
@@ -22,9 +21,7 @@ def test_another_unit_of_the_flux_leaves_signal_to_noise_ratios():
     np.testing.assert_allclose(other.power, 1e-12 * FACET.power)
 
 
-def test_the_shape_of_a_beam_does_not_depend_on_the_unit_of_the_flux():
-    total, shape = FACET.beam_shape()
-    other_total, other_shape = FACET.in_other_unit(10.0).beam_shape()
-    assert total == pytest.approx(7.0)
-    assert other_total == pytest.approx(700.0)
-    assert other_shape == shape
+def test_a_facet_without_weights_or_without_cells_has_no_power():
+    assert FACET.has_power
+    assert not Facet(UV, FACET.correlation, np.zeros(3)).has_power
+    assert not FACET.within(0.5).has_power

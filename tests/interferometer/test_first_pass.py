@@ -12,7 +12,7 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.baseline_map import map_baselines
 from uvshear.interferometer.first_pass import first_pass
 from uvshear.interferometer.joint_observation import JointObservation
-from uvshear.interferometer.noise_estimate import scaled_to_its_noise
+from uvshear.interferometer.noise_estimate import estimate_noise
 from uvshear.interferometer.origin import Origin
 from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import VisibilitySet
@@ -46,7 +46,8 @@ def test_everything_is_from_one_reading():
     np.testing.assert_array_equal(first.baselines.weight, map_baselines(data).weight)
     (quality,) = first.qualities
     assert (quality.name, quality.counts.samples) == ("a", 3 * 960)
-    assert quality.noise_ratio == pytest.approx(1.0, abs=0.05)
+    (sample,) = first.noise_samples
+    assert estimate_noise(sample).ratio == pytest.approx(1.0, abs=0.05)
     assert first.warnings == ()
 
 
@@ -57,18 +58,18 @@ def test_parts_are_told_apart_in_warnings_and_joined_in_the_rest():
     assert (good.readings, loud.readings, odd.readings) == (1, 1, 1)
     assert first.summary.rows == 3 * 720
     assert first.summary.weight == pytest.approx(summarise(joint).weight)
-    wrong, notice = first.warnings
-    assert wrong.startswith("loud: the noise is 2.97 times")
-    assert notice == "odd: it is odd"
+    assert first.warnings == ("odd: it is odd",)
+    noise = [estimate_noise(sample).ratio for sample in first.noise_samples]
+    # 3000 samples: 1.3 per cent
+    assert noise == pytest.approx([1.0, 3.0, 1.0], rel=0.05)
 
 
-def test_weights_that_were_scaled_to_the_noise_call_for_no_warning():
-    assert first_pass(scaled_to_its_noise(Opened("loud", noise=3.0))).warnings == ()
-
-
-def test_an_observation_in_memory_is_warned_about_as_well():
-    (warning,) = first_pass(observation(1, 2, 3, noise=3.0)).warnings
-    assert warning.startswith("the observation: the noise is 2.97 times")
+def test_samples_of_many_parts_take_no_more_memory_than_those_of_a_few(monkeypatch):
+    monkeypatch.setattr("uvshear.interferometer.first_pass.MOST_OF_ALL", 1000)
+    monkeypatch.setattr("uvshear.interferometer.first_pass.FEWEST_OF_A_PART", 10)
+    joint = JointObservation(CENTRE, tuple(observation(1, 2) for _ in range(5)))
+    drawn = [len(sample.here) for sample in first_pass(joint).noise_samples]
+    assert drawn == [200] * 5
 
 
 def test_a_part_without_weight_does_not_matter():

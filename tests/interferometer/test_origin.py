@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from tests.interferometer.chunks import CENTRE, observation
 from uvshear.interferometer.joint_observation import JointObservation
-from uvshear.interferometer.noise_estimate import ScaledObservation
 from uvshear.interferometer.origin import HasOrigin, HasParts, Origin, origin_of, parts_of
+from uvshear.interferometer.scaled_observation import ScaledObservation
 from uvshear.interferometer.weighting import WeightedObservation
 
 FIRST, SECOND = observation(1), observation(2)

@@ -40,7 +40,7 @@ def test_a_reader_without_an_inspection_of_its_own_tells_what_one_pass_tells():
     assert content.number is None
     assert content.phase_centre == simulated().phase_centre
     np.testing.assert_allclose(content.ranges.baseline, (metres.min(), metres.max()))
-    assert content.quality.noise_ratio == pytest.approx(1.0, abs=0.03)
+    assert content.noise.ratio == pytest.approx(1.0, abs=0.03)
     # The pass counts what the reader has not counted.
     assert content.counts.rows == len(metres)
     assert content.counts.samples == content.counts.usable > 0

@@ -35,7 +35,7 @@ def test_what_was_written_is_found(tmp_path):
     per_metre = observation.channels.frequency / SPEED_OF_LIGHT
     ends = metres.min() * per_metre.min(), metres.max() * per_metre.max()
     np.testing.assert_allclose(ranges.uv_distance, ends)
-    assert content.quality.noise_ratio == pytest.approx(1.0, abs=0.03)
+    assert content.noise.ratio == pytest.approx(1.0, abs=0.03)
     assert content.uvw_agrees
 
 
@@ -73,7 +73,7 @@ def test_a_set_in_which_all_is_flagged_is_inspected_too(tmp_path):
     (content,) = inspect(path).fields
     assert content.counts.usable == 0
     assert content.counts.flagged_fraction == 1
-    assert content.quality.noise_ratio is None
+    assert content.noise is None
 
 
 @pytest.mark.real

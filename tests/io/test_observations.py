@@ -11,8 +11,9 @@ from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
 from uvshear.interferometer.dishes import dish_diameters, pointing_of
 from uvshear.interferometer.first_pass import first_pass
-from uvshear.interferometer.noise_estimate import ScaledObservation, scaled_to_its_noise
+from uvshear.interferometer.noise_estimate import estimate_noise
 from uvshear.interferometer.origin import origin_of, parts_of
+from uvshear.interferometer.scaled_observation import ScaledObservation, scaled_to_its_noise
 from uvshear.io.measurement_set import MeasurementSet
 from uvshear.io.observations import open_observation
 from uvshear.io.readers import Reader
@@ -101,27 +102,31 @@ def test_another_phase_centre_is_refused_by_name(pair):
 
 
 def test_the_first_pass_reads_every_set_once_and_names_it(pair, readings):
-    change(pair[1], "WEIGHT_SPECTRUM", 1.0)
+    change(pair[1], "WEIGHT", 0.0)
+    change(pair[1], "WEIGHT_SPECTRUM", 0.0)
     first = first_pass(open_observation(pair))
     assert readings == list(pair)
     (warning,) = first.warnings
-    assert warning.startswith(f"{pair[1]}: the noise is")
+    assert warning.startswith(f"{pair[1]}: WEIGHT has no value above zero")
     assert first.qualities[0].counts.samples == 6720
 
 
-def test_weights_scaled_to_the_noise_call_for_no_warning(pair):
-    for path in pair:
-        change(path, "WEIGHT_SPECTRUM", 1.0)
-    assert len(first_pass(open_observation(pair)).warnings) == 2
-    assert first_pass(open_observation(pair, prepared=scaled_to_its_noise)).warnings == ()
+def test_each_set_is_scaled_to_a_noise_of_its_own(pair):
+    change(pair[1], "WEIGHT_SPECTRUM", 1.0)
+    joint = open_observation(pair, prepared=scaled_to_its_noise)
+    first, second = (part.noise for part in joint.parts)
+    assert first == pytest.approx(1.0, abs=0.03)
+    assert second < 0.1
+    for sample in first_pass(joint).noise_samples:
+        assert estimate_noise(sample).ratio == pytest.approx(1.0, abs=0.03)
 
 
 def test_what_the_metadata_tell_is_a_warning_too(pair):
     first, _ = pair
     for column in ("WEIGHT", "WEIGHT_SPECTRUM"):
         change(first, column, 0.0)
-    found = first_pass(open_observation(first)).warnings
-    assert found[0] == f"{first}: WEIGHT has no value above zero; the weights are 1/SIGMA^2"
+    (found,) = first_pass(open_observation(first)).warnings
+    assert found == f"{first}: WEIGHT has no value above zero; the weights are 1/SIGMA^2"
 
 
 def test_dishes_are_those_of_all_sets(pair):

@@ -49,11 +49,14 @@ CONTRACT = [
 CENTRE = PhaseCentre(1.0, np.radians(80.0))
 
 
+QUALITY = ["detection", "resolved", "neighbour_distance", "error_widening", "remaining_change"]
+
+
 def _values(n: int = 4) -> dict[str, Array]:
     rng = np.random.default_rng(3)
     values: dict[str, Array] = {
         name: rng.uniform(0.01, 0.02, n)
-        for name in CONTRACT
+        for name in CONTRACT + QUALITY
         if name not in {"id", "ra", "dec", "flag"}
     }
     values |= {name: rng.uniform(1, 2, n) * ARCSEC for name in ("scale_length", "dl", "dm")}
@@ -74,7 +77,7 @@ def _table() -> Table:
 def test_the_columns_are_those_of_the_contract_in_its_order() -> None:
     names = _table().colnames
     assert names[: len(CONTRACT)] == CONTRACT
-    assert names[len(CONTRACT) :] == ["g1", "g2", "position_angle"]
+    assert names[len(CONTRACT) :] == ["g1", "g2", "position_angle", *QUALITY]
 
 
 @pytest.mark.parametrize("suffix", [".ecsv", ".fits"])

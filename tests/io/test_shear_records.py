@@ -31,7 +31,7 @@ def test_a_shear_is_written_with_its_cuts_and_its_bins(tmp_path: Path) -> None:
     write_shear(path, FOUND)
     record = json.loads(path.read_text())
     assert {name: record[name] for name in FOUND.numbers()} == FOUND.numbers()
-    assert record["cuts"] == {"snr_min": 5.0, "flux_min_ujy": 17.0}
+    assert record["cuts"] == {"snr_min": 5.0, "detection_min": 0.0, "flux_min_ujy": 17.0}
     assert (record["seed"], record["calibration"], record["prior"]) == (3, "BIAS.json", "paper")
     assert record["bins"] == [{"flux": "10-20 uJy", **BIN.numbers()}]
     assert record["command"] == "uvshear.estimate_shear"

@@ -16,6 +16,7 @@ from uvshear.estimators.moments import Moments
 from uvshear.estimators.packing import PACKED, pack
 from uvshear.estimators.sample import Sample
 from uvshear.io.statistics import (
+    missing_statistics,
     read_statistics,
     statistics_path,
     statistics_table,
@@ -53,7 +54,23 @@ def test_columns_have_units_and_descriptions_and_gaps() -> None:
     np.testing.assert_array_equal(table["height"], [1.5, np.nan, -2.0])
     assert [len(ladder) for ladder in table["ladder"]] == [3, 0, 2]
     assert np.isnan(table["m1"]).all()
-    assert list(table.colnames[3:]) == list(Moments.columns)
+    names = ["id", "flag_own", "height", "ladder", "flag_moments", *Moments.columns]
+    assert table.colnames == names
+
+
+def test_each_source_has_the_reason_why_it_has_no_statistic(tmp_path: Path) -> None:
+    told = {"height": 1.5, "ladder": np.ones(2), "flag_own": "ok", "flag_moments": "too_large"}
+    # an extraction that is not this package's own need not tell flags
+    untold = {"m1": 1.0}
+    table = statistics_table(SHAPES, [Own(), Moments()], {0: told, 2: untold})
+    path = _written(tmp_path / "shapes.stats.fits", table)
+    back = read_statistics(path, tmp_path / "shapes.fits", SHAPES)
+    for known in (table, back):
+        assert list(known["flag_own"]) == ["ok", "not_measured", "not_fitted"]
+        assert list(known["flag_moments"]) == ["too_large", "not_measured", "ok"]
+    assert missing_statistics(table, "own") == {"not_fitted": 1}
+    assert missing_statistics(table, "moments") == {"too_large": 1}
+    assert missing_statistics(Table({"id": ["a"]}), "moments") == {}
 
 
 def _written(path: Path, table: Table) -> Path:

@@ -160,7 +160,6 @@ def test_a_read_measurement_has_the_same_residual_image(field, kept, tmp_path):
     np.testing.assert_allclose(images.dirty, expected.dirty, rtol=0, atol=1e-4 * SIGMA)
 
 
-@pytest.mark.filterwarnings("ignore:.*times what the weights claim")
 def test_the_residual_image_of_the_paper_s_extraction_is_without_averaging(field, tmp_path):
     """It models none, and its record says so to whoever reads it again."""
     method = replace(METHOD, extraction=PaperExtraction())

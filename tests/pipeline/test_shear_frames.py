@@ -32,8 +32,6 @@ OF_DIRECTION, OF_FIELD = 0.022, 0.01
 component of the wrong sign is off by 0.08 or 0.14, and without the turn of local North eastern and western shears are
 off by 0.035."""
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*times what the weights claim")
-
 
 def _intrinsic():
     """Pairs of opposite ellipticities, of the population but for its most elliptical fifth."""

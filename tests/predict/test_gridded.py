@@ -6,13 +6,17 @@ import numpy as np
 import pytest
 
 from tests.extraction.converged.major_cycles import GRIDDING, MIXED, PROFILE, SKY, small_field
+from uvshear.errors import InputError
+from uvshear.execution import SERIAL, Resources, in_threads
 from uvshear.imaging import tiles
 from uvshear.interferometer.samples import Samples
 from uvshear.predict import predict_visibilities
 from uvshear.predict.gridded import (
+    BLOCK,
+    BYTES_IN_FLIGHT,
+    BYTES_PER_PIXEL,
     BYTES_PER_SAMPLE,
-    LEAST_BLOCK,
-    block_of,
+    Gridding,
     predict_samples,
     slabs,
 )
@@ -63,6 +67,27 @@ def test_slabs_divide_the_samples_evenly(samples):
     assert all(a.stop == b.start for a, b in pairwise(parts))
 
 
-def test_a_block_takes_a_third_of_the_memory_and_is_never_tiny():
-    assert block_of(3e9) == 1e9 // BYTES_PER_SAMPLE
-    assert block_of(1.0) == LEAST_BLOCK
+@pytest.mark.parametrize("memory", [1e9, 8e9, 64e9])
+def test_blocks_do_not_depend_on_the_memory_which_limits_what_is_done_at_once(memory):
+    gridding = Gridding.within(Resources(in_threads(16), memory), 10**9, 1e-5)
+    assert gridding.epsilon == 1e-5
+    assert gridding.block == BLOCK
+    workers = gridding.executor_for(3000, 10**6).workers
+    assert 1 <= workers <= 16
+    # as many as fit, and at least one
+    each = 3000**2 * BYTES_PER_PIXEL + 10**6 * BYTES_IN_FLIGHT
+    assert workers in (1, 16) or workers * each <= memory < (workers + 1) * each
+    assert gridding.executor_for(64, 1000).workers == 16
+
+
+def test_memory_that_does_not_hold_a_block_is_refused():
+    few = 1000
+    assert Gridding.within(Resources(SERIAL, few * BYTES_PER_SAMPLE), few).block == BLOCK
+    with pytest.raises(
+        InputError, match=r"--memory-gb 0\.1 \(memory=\): 0\.68 GB or more are needed"
+    ):
+        Gridding.within(Resources(SERIAL, 1e8), 10**8)
+
+
+def test_without_a_limit_all_workers_are_used():
+    assert Gridding(executor=in_threads(5)).executor_for(10_000, 10**9).workers == 5

@@ -1,5 +1,7 @@
 """Pixels against the brightness of galaxies summed over the sky."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +14,9 @@ from uvshear.constants import ARCSEC, SPEED_OF_LIGHT
 from uvshear.galaxy import Exponential, Gaussian
 from uvshear.imaging.bands import Band
 from uvshear.imaging.tiles import Tile
+from uvshear.predict import predict_visibilities
 from uvshear.predict.rendering import (
+    LARGEST_STAMP,
     SMALLEST_STAMP,
     render,
     smooth_step,
@@ -124,8 +128,7 @@ def test_beyond_the_band_the_transform_falls_to_nothing_at_the_nyquist_frequency
 @settings(deadline=None)
 @given(st.floats(1e-7, 1e-2), st.floats(1e-7, 1e-4))
 def test_a_stamp_is_even_quick_to_transform_and_as_wide_as_the_galaxy_matters(half_width, pixel):
-    if half_width / pixel > 2000:
-        half_width = 2000 * pixel
+    half_width = min(half_width, (LARGEST_STAMP // 2 - 1) * pixel)
     size = stamp_size(half_width, pixel)
     assert size % 2 == 0
     assert size >= max(2 * half_width / pixel, SMALLEST_STAMP)
@@ -142,3 +145,28 @@ def test_a_smooth_step_falls_from_one_to_zero_between_its_ends():
     assert np.all(np.diff(step) <= 0)
     np.testing.assert_allclose(smooth_step(10 - x, 3.0, 7.0) + step, 1.0, rtol=0, atol=2e-3)
     assert np.abs(np.diff(step)).max() < 0.02  # of 200 steps; a cliff: 1
+
+
+def test_a_stamp_is_bounded_however_large_a_galaxy_is_said_to_be():
+    assert stamp_size(300 * PIXEL, PIXEL) == 600
+    for half_width in (800 * PIXEL, 1e5 * PIXEL, np.pi):
+        assert stamp_size(half_width, PIXEL) == LARGEST_STAMP
+
+
+def test_a_galaxy_that_a_stamp_does_not_hold_keeps_its_visibilities():
+    """A scale length of 200 pixels, so that 15 per cent of the flux is outside; on baselines it has power on."""
+    size = 200 * PIXEL
+    galaxy = replace(
+        galaxies(0.3 * PIXEL, -0.2 * PIXEL, 1.0, size, 0.2j), spectral_index=np.zeros(1)
+    )
+    half = np.array([22 * size])
+    tile = Tile(0, (-800, -800), 1600, np.arange(1), -1)
+    image = render(galaxy, np.ones(1), half, tile, BAND, Exponential())
+    uvw = _baselines(2 / (2 * np.pi * size), 30)
+    frequency = np.array([SPEED_OF_LIGHT])
+    exact = predict_visibilities(galaxy, uvw, frequency, Exponential())[:, 0]
+    got = _transform(image, tile, PIXEL, uvw[:, :2])
+    assert abs(exact).min() < 0.2
+    # measured 0.067 of the whole flux, on the shortest baselines; without what is outside: 0.15
+    np.testing.assert_allclose(got, exact, atol=0.08)
+    assert image.sum(dtype=float) == pytest.approx(1.0, abs=1e-4)

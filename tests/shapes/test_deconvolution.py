@@ -5,7 +5,8 @@ import pytest
 
 from uvshear.constants import ARCSEC
 from uvshear.imaging.cutout import cutout
-from uvshear.shapes.deconvolution import DISC, Disc, EvenPart, OddPart
+from uvshear.shapes.deconvolution import DISC, Disc, EvenPart, OddPart, holds
+from uvshear.shapes.prior import ShapePrior
 
 WIDTH = 30 * ARCSEC
 CELLS = cutout(64, WIDTH / 64, 0.0, 60e3)
@@ -21,7 +22,7 @@ def _power():
 
 
 POWER = _power()
-DISC_ = Disc(WIDTH, 60e3)
+DISC_ = Disc(WIDTH, 60e3, 5000)
 
 
 @pytest.fixture(params=[(EvenPart, np.cos), (OddPart, np.sin)], ids=["even", "odd"])
@@ -66,7 +67,48 @@ def test_the_image_has_the_data(part):
     places = rng.uniform(-0.5, 0.5, (20, 2)) * DISC * WIDTH
     flux = rng.uniform(1, 2, 20)
     data = POWER * (flux @ wave(2 * np.pi * places @ UV.T))
-    image = functionals.image() @ data
+    image = functionals.brightness(data)
     wanted = np.array([14.1e3, 30.2e3])
     got = image @ wave(2 * np.pi * DISC_.places @ wanted)
     assert got == pytest.approx(flux @ wave(2 * np.pi * places @ wanted), abs=1e-3 * flux.sum())
+
+
+def test_sums_are_those_over_cells_and_pixels_themselves(part):
+    """All transforms at once, against cosines and sines of every pair."""
+    functionals, wave = part
+    waves = wave(2 * np.pi * DISC_.places @ UV.T)
+    rng = np.random.default_rng(3)
+    on_cells, on_pixels = rng.normal(size=(3, len(UV))), rng.normal(size=(2, len(waves)))
+    if wave is np.sin:  # which is zero at the centre, for any functional
+        on_pixels[:, np.all(DISC_.index == 0, axis=1)] = 0
+    seen = functionals.values_at_pixels(on_cells)
+    np.testing.assert_allclose(seen, on_cells @ waves.T, atol=1e-11 * np.abs(seen).max())
+    beam = (waves * POWER) @ waves.T
+    solution = np.linalg.solve(beam + np.diag(np.diag(beam) * 1e-8 + 1e-300), on_pixels.T)
+    weights = functionals.weights(on_pixels)
+    # the matrix is nearly singular, to the ridge: measured 2e-6
+    expected = (waves.T @ solution).T * (POWER > 0)
+    np.testing.assert_allclose(weights, expected, atol=1e-4 * np.abs(expected).max())
+    np.testing.assert_allclose(
+        functionals.variance(on_pixels), np.sum(weights**2 * POWER, axis=1), rtol=1e-4
+    )
+
+
+def test_a_disc_has_no_more_pixels_than_allowed_however_wide_the_facet():
+    assert DISC_.radius == DISC * WIDTH
+    for width in (300, 3000):
+        disc = Disc(width * ARCSEC, 60e3, 400)
+        assert 370 < len(disc.index) < 430
+        # the pixels are as fine as ever
+        assert disc.pixel * 2 * 60e3 * 1.1 < 1
+        assert disc.radius == pytest.approx(np.sqrt(800 / np.pi) * disc.pixel)
+
+
+def test_a_disc_holds_a_source_of_a_tenth_of_its_radius():
+    assert holds(10 * ARCSEC, ShapePrior(float(np.log(0.99 * ARCSEC)), 0.3))
+    assert not holds(10 * ARCSEC, ShapePrior(float(np.log(1.01 * ARCSEC)), 0.3))
+
+
+def test_cells_of_another_width_are_refused():
+    with pytest.raises(ValueError, match="not those of a facet of this width"):
+        EvenPart(Disc(1.3 * WIDTH, 60e3, 5000), UV, POWER)

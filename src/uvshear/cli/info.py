@@ -45,7 +45,7 @@ def info(
     """Summarise a Measurement Set.
 
     The summary lists the array, fields, frequencies, flags and baselines, and says whether the weights match the
-    noise. With --field it covers only that field.
+    noise, as far as this can be told without a catalogue. With --field it covers only that field.
     """
     from uvshear.io.observations import inspect
 
@@ -113,12 +113,22 @@ def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
             ("projected baselines", f"{near:.4g} to {far:.6g} m"),
             ("uv distance", f"{low:.4g} to {high:.6g} wavelengths"),
         ]
-    ratio = content.quality.noise_ratio
-    sense = {True: "yes", False: "no, the opposite sign", None: "neither sign fits"}[
-        content.uvw_agrees
-    ]
+    sense = {
+        True: "yes",
+        False: "no, the opposite sign, which is usual for some telescopes (LOFAR, WSRT)",
+        None: "neither sign fits",
+    }[content.uvw_agrees]
     return [
         *facts,
-        ("noise / noise implied by the weights", "not known" if ratio is None else f"{ratio:.3g}"),
+        ("noise / noise implied by the weights", _noise(content)),
         ("UVW is X(ANTENNA1) - X(ANTENNA2)", sense),
     ]
+
+
+def _noise(content: "FieldContent") -> str:
+    noise = content.noise
+    if noise is None:
+        return "not known"
+    if noise.is_certain:
+        return f"{noise.ratio:.3g}, from {noise.smallest.origin}"
+    return f"at most {noise.ratio:.3g}, from {noise.smallest.origin}, in which there is sky as well"

@@ -1,6 +1,7 @@
 """``uvshear measure``: shapes of the galaxies of a catalogue."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
+import warnings
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -8,7 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uvshear.cli.beams import NONE, PrimaryBeamOption, beam_of_observation
+from uvshear.cli.convergence import tell_convergence
 from uvshear.cli.extractions import CONVERGED, ExtractionChoice, FacetName
+from uvshear.cli.missing_statistics import tell_missing_statistics
 from uvshear.cli.options import (
     Overwrite,
     Threads,
@@ -29,7 +32,7 @@ from uvshear.cli.reading import (
 )
 from uvshear.cli.registered import PROFILES, named_by, profile_named_by_option
 from uvshear.cli.residual_images import check_residual_image, draw_residual
-from uvshear.cli.terminal import notes_of_warnings, progress_bar, say, shorten, warn
+from uvshear.cli.terminal import notes_of_warnings, progress_bar, say, shorten
 from uvshear.cli.weightings import (
     GaussianTaperOption,
     InnerTukeyTaperOption,
@@ -41,20 +44,15 @@ from uvshear.cli.weightings import (
     WeightName,
     WeightOption,
 )
-from uvshear.errors import InputError
+from uvshear.errors import InputError, NothingMeasuredWarning
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from uvshear.galaxy import SizeModel
     from uvshear.interferometer.visibilities import Observation
     from uvshear.io.catalogue import Catalogue
     from uvshear.io.reading import Reading
 
 EPILOG = "Example: uvshear measure FIELD.ms --catalogue CAT.fits --keep moments -o SHAPES.fits"
-
-RELEASED = 0.5
-"""Change of the sky fitted without priors, in units of the noise, above which the user is warned."""
 
 
 class NoiseName(StrEnum):
@@ -107,8 +105,8 @@ def measure(
         NoiseName,
         typer.Option(
             rich_help_panel=DATA,
-            help="Origin of the noise level: the weights as they stand, or the scatter of the data. With data, the"
-            " weights are rescaled to agree with that scatter.",
+            help="Origin of the noise level: the weights as they stand, or the data. With data, the weights are scaled"
+            " to the noise that the two parallel hands, the residual of the fitted sky and neighbouring samples show.",
         ),
     ] = NoiseName.WEIGHTS,
     ignore_flags: Annotated[
@@ -278,6 +276,7 @@ def measure(
     from uvshear.io.catalogue import read_catalogue
     from uvshear.pipeline.measure import measure as measure_sources
     from uvshear.pipeline.measurement import check_outputs
+    from uvshear.pipeline.outcome import tally, why_none_was_measured
 
     check_outputs(output, overwrite=overwrite, inputs=(catalogue,))
     if residual_image is not None:
@@ -319,6 +318,8 @@ def measure(
         smears=smearing,
     )
     with notes_of_warnings(), progress_bar("measuring") as progress:
+        # It becomes the error with which the command ends.
+        warnings.simplefilter("ignore", NothingMeasuredWarning)
         measurement = measure_sources(
             observation,
             sources,
@@ -330,10 +331,11 @@ def measure(
         )
     made = provenance(context, *measurement_sets, catalogue)
     measurement.with_provenance(made).write(output, overwrite=overwrite)
-    shapes = measurement.shapes
-    measured = sum(flag == "ok" for flag in shapes["flag"])
-    say(f"{output}: {measured} of {len(shapes)} sources measured")
+    say(f"{output}: {tally(measurement.shapes)}")
+    if cause := why_none_was_measured(measurement.shapes):
+        raise InputError(f"{output}: no galaxy was measured: {cause}")
     tell_convergence(measurement.record)
+    tell_missing_statistics(measurement)
     if residual_image is not None:
         from uvshear.io.images import write_residual_image
 
@@ -353,7 +355,7 @@ def measure(
 
 def observed(paths: list[Path], reading: "Reading", noise: NoiseName) -> "Observation":
     """Open the sets, with the noise level of the given origin."""
-    from uvshear.interferometer.noise_estimate import scaled_to_its_noise
+    from uvshear.interferometer.scaled_observation import scaled_to_its_noise
     from uvshear.io.observations import open_observation
 
     # Each set has weights, and a noise, of its own.
@@ -372,27 +374,3 @@ def size_of(name: SizePriorName, sources: "Catalogue", path: Path) -> "SizeModel
             f"{path}: has no column 'scale_length', which --size-prior catalogue needs"
         )
     return CatalogueSize()
-
-
-def tell_convergence(record: "Mapping[str, object]") -> None:
-    """Print how well the sky has converged, if the extraction iterates."""
-    left, tolerance = record.get("left_undone"), record.get("tolerance")
-    if not isinstance(left, float) or not isinstance(tolerance, float):
-        return
-    say(
-        f"{record['major_cycles']} major cycles; one more would change the model of a source by {left:.2g} times"
-        f" the noise (rms over all sources), and by at most {record['left_undone_most']:.2g} times the noise for any"
-        " single source"
-    )
-    if left > tolerance:
-        warn(
-            f"the sky model has not converged: one more major cycle would change it by {left:.2g} times the noise,"
-            f" which is above the tolerance of {tolerance:g}; treat the shapes of overlapping galaxies with care"
-        )
-    released = record.get("released")
-    if isinstance(released, list) and released[-1] > RELEASED:
-        warn(
-            "the statistics of --keep are computed from a second sky model, fitted with a wider prior on ellipticities;"
-            f" this model still changed by {released[-1]:.2g} times the noise (rms) in its last cycle, so treat shears"
-            " from these statistics with care"
-        )

@@ -44,6 +44,15 @@ def shear(
             help="Measured signal-to-noise ratio below which galaxies are left out.",
         ),
     ] = 0.0,
+    detection_min: Annotated[
+        float,
+        typer.Option(
+            callback=non_negative,
+            rich_help_panel=DATA,
+            help="Significance of a galaxy against no galaxy, on the baselines that were used (column detection), below"
+            " which galaxies are left out.",
+        ),
+    ] = 0.0,
     flux_min_ujy: Annotated[
         float,
         typer.Option(
@@ -109,6 +118,7 @@ def shear(
             shapes,
             method,
             snr_min=snr_min,
+            detection_min=detection_min,
             flux_min=flux_min_ujy * MICROJANSKY,
             patches=patches,
             correction=calibration,

@@ -29,7 +29,7 @@ from uvshear.cli.options import (
 )
 from uvshear.cli.panels import ARRAY, DATA, MODEL, NOISE, SKY
 from uvshear.cli.registered import PROFILES, profile_named_by_option
-from uvshear.cli.terminal import progress_bar, say
+from uvshear.cli.terminal import notes_of_warnings, progress_bar, say
 from uvshear.errors import InputError
 
 if TYPE_CHECKING:
@@ -285,16 +285,17 @@ def simulate(
         is_averaged=smearing,
         primary_beam=beam_of_dishes(primary_beam, lambda: array.diameters),
     )
-    observation = simulate_observation(
-        sources,
-        plan,
-        noise=_noise(sefd, efficiency, noise_on, snr_at or (10.0, 10.0)),
-        shear=complex(*shear),
-        lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
-        profile=brightness,
-        seed=None if no_noise else seed,
-        executor=executor,
-    )
+    with notes_of_warnings():
+        observation = simulate_observation(
+            sources,
+            plan,
+            noise=_noise(sefd, efficiency, noise_on, snr_at or (10.0, 10.0)),
+            shear=complex(*shear),
+            lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
+            profile=brightness,
+            seed=None if no_noise else seed,
+            executor=executor,
+        )
     with progress_bar("simulating") as progress:
         write_measurement_set(
             output,

@@ -34,7 +34,7 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.numerics.fft_sizes import fast_size
 from uvshear.predict import predict_visibilities
 from uvshear.predict.blocks import BlockAccumulator
-from uvshear.predict.gridded import BYTES_PER_SAMPLE, Gridding, ModelledSky, predict_samples, slabs
+from uvshear.predict.gridded import Gridding, ModelledSky, predict_samples, slabs
 from uvshear.predict.response import Response
 from uvshear.typing import Array, Complex, Float
 
@@ -61,9 +61,6 @@ REACH = 14.0
 
 POINT_STAMP = 128
 """Width to which the smallest source is drawn [finest pixels]: its image rings out to the scale of the taper."""
-
-BYTES_PER_PIXEL = 60
-"""Memory for each pixel that is processed: the pixel, and the oversampled plane of the gridder."""
 
 Predict = Callable[[Samples], Complex[Array, " sample"]]
 """Function that predicts the visibilities of a sky [Jy]."""
@@ -247,8 +244,7 @@ class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
 
         tasks = ((which, rows) for rows in slabs(len(samples)) for which in (0, 1))
         # Each worker holds an image.
-        memory = gridding.block * BYTES_PER_SAMPLE
-        executor = gridding.executor.at_most(memory // (grid.size**2 * BYTES_PER_PIXEL))
+        executor = gridding.executor_for(grid.size, len(samples))
         for which, count, part in executor.map(image, tasks):
             self._images[which] += part
             self._report(count)

@@ -19,6 +19,7 @@ from uvshear.progress import Meter
 from uvshear.shapes.interpolative import DecompositionCache
 from uvshear.shapes.likelihood import sample_likelihood
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
+from uvshear.shapes.statistic_flag import StatisticFlag
 from uvshear.typing import Array, Complex
 
 LIKELIHOOD: Final = "likelihood"
@@ -67,10 +68,12 @@ class Bayesian(Estimator):
     }
     is_expanded = True
 
-    def statistic(self, source: SourceFacet) -> Kept | None:
+    def statistic(self, source: SourceFacet) -> Kept | StatisticFlag:
         """Sample the likelihood and pack it into a few kilobytes."""
+        if not source.facet.has_power:
+            return StatisticFlag.NO_DATA
         likelihood = self._likelihood(source)
-        return None if likelihood is None else pack(likelihood)
+        return StatisticFlag.NOT_FITTED if likelihood is None else pack(likelihood)
 
     def numbers(self, source: SourceFacet) -> Mapping[str, object] | None:
         """Sample the likelihood without packing it, which would take another 7 per cent of the time."""
@@ -86,7 +89,7 @@ class Bayesian(Estimator):
             source.prior,
             profile,
             self.population.ellipticity,
-            lambda: cache.decomposition(source.facet, source.cells, source.prior),
+            cache.maker_for(source.facet, source.cells, source.prior),
         )
         if found is None:
             return None

@@ -7,8 +7,8 @@ from typing import ClassVar, Self
 from uvshear.estimators.sample import Row, Sample
 from uvshear.estimators.terms import Terms
 from uvshear.progress import Meter
-from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
+from uvshear.shapes.statistic_flag import StatisticFlag
 from uvshear.shapes.table_row import shape_values
 from uvshear.typing import Array, Complex
 
@@ -41,8 +41,8 @@ class Estimator(ABC):
     is_expanded: ClassVar[bool] = False
     remark: ClassVar[str] = ""
 
-    def statistic(self, source: SourceFacet) -> Kept | None:
-        """Return the numbers of ``columns`` that are kept for a source; None where it has none."""
+    def statistic(self, source: SourceFacet) -> Kept | StatisticFlag | None:
+        """Return the numbers of ``columns`` that are kept for a source; where it has none, the reason, or None."""
         del source
         return {}
 
@@ -51,7 +51,8 @@ class Estimator(ABC):
 
         An estimator that packs its statistic for files can leave out the packing here.
         """
-        return self.statistic(source)
+        found = self.statistic(source)
+        return None if isinstance(found, StatisticFlag) else found
 
     @abstractmethod
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
@@ -107,7 +108,7 @@ def observe(estimator: Estimator, source: SourceFacet) -> Row | None:
     row: Row = {"flux": source.flux}
     if set(estimator.shape_columns) - set(row):
         shape = source.shape
-        if shape.flag is not FitFlag.OK:
+        if not shape.flag.is_fitted:
             return None
         row |= shape_values(shape, source.population)
     numbers = estimator.numbers(source)

@@ -1,6 +1,5 @@
 """Metacalibration: an estimator applied with a round PSF, whose response is measured by shearing the data."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, Self, TypeAlias
@@ -11,18 +10,28 @@ from uvshear.estimators.estimator import Estimator, observe
 from uvshear.estimators.mean import Mean
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.terms import Terms
+from uvshear.execution.once import KeptOnce
 from uvshear.imaging.cutout import Cutout, cutout
 from uvshear.interferometer.facet import Facet
 from uvshear.progress import Meter
-from uvshear.shapes.metacal import REACH, STEP, WIDEST, Metacalibration, scale_of
+from uvshear.shapes.deconvolution import holds
+from uvshear.shapes.metacal import (
+    REACH,
+    STEP,
+    WIDEST,
+    Metacalibration,
+    ShearedFacets,
+    scale_of,
+)
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
+from uvshear.shapes.statistic_flag import StatisticFlag
 from uvshear.typing import Array, Complex, Float
 
 _LONGEST = REACH * WIDEST * (1 + STEP)
 """Longest baseline that a round beam may need [wavelengths]."""
 
-_Beam: TypeAlias = tuple[int, float, tuple[float, ...]]
-"""Size of a facet, its longest baseline and the shape of its beam; sources that agree in these share a round beam."""
+_MOST_BEAMS = 2
+"""Largest number of round beams that are kept, each up to 0.1 GB; sources with the same beam come one after another."""
 
 _Measure: TypeAlias = Callable[[Facet], Float[Array, " 2"] | None]
 
@@ -44,7 +53,9 @@ class Metacal(Estimator):
 
     wrapped: Estimator = field(default_factory=Mean)
     seed: int = 1
-    _beams: dict[_Beam, "_RoundBeam"] = field(default_factory=dict, repr=False, compare=False)
+    _beams: KeptOnce["_RoundBeam"] = field(
+        default_factory=lambda: KeptOnce(_MOST_BEAMS), repr=False, compare=False
+    )
 
     name = "metacal"
     columns: ClassVar = {
@@ -60,29 +71,34 @@ class Metacal(Estimator):
         "mc_r22": Column("derivative of mc2 with respect to the second component of the shear"),
     }
 
-    def statistic(self, source: SourceFacet) -> Kept | None:
+    def statistic(self, source: SourceFacet) -> Kept | StatisticFlag:
         """Measure the source with the round PSF, once unsheared and four times with small shears."""
-        noise = source.draw_noise(self.seed)
-        longest = min(source.cells.longest, _LONGEST)
-        is_near = np.hypot(*source.facet.uv.T) <= longest
-        facet, noise = source.facet.within(longest), noise[is_near]
-        total, shape = facet.beam_shape()
-        beam = source.cells.size, longest, shape
-        if beam not in self._beams:
-            self._beams[beam] = _RoundBeam.behind(facet, source.cells, total)
-        known = self._beams[beam]
+        facet = source.common.within(_LONGEST)
+        if not facet.has_power:
+            return StatisticFlag.NO_DATA
+        known = self._beams.value(
+            source.beam_key(_LONGEST), lambda: _RoundBeam.behind(facet, source.cells)
+        )
+        if not holds(known.metacalibration.radius, source.prior):
+            return StatisticFlag.TOO_LARGE
+        noise = source.draw_noise(self.seed)[np.hypot(*source.facet.uv.T) <= _LONGEST]
 
         def measure(seen: Facet) -> Float[Array, " 2"] | None:
-            behind = replace(source, facet=seen, cells=known.cells)
+            own = seen.in_other_unit(source.unit)
+            # A cut would change the response to the shear, and the round beam costs significance.
+            behind = replace(
+                source, facet=own, cells=known.cells, beam=seen.power, tests_significance=False
+            )
             row = observe(self.wrapped, behind)
             if row is None:
                 return None
             value = self.wrapped.terms(Sample.from_rows([row]), np.zeros(1, complex)).value[0]
             return value if np.isfinite(value).all() else None
 
-        found = _differences(known, facet, noise, total, measure)
+        seen = known.metacalibration.sheared_facets(facet.correlation, noise)
+        found = _differences(seen, measure)
         if found is None:
-            return None
+            return StatisticFlag.NOT_FITTED
         value, response = found
         numbers = [*value.tolist(), *response.ravel().tolist()]
         return dict(zip(self.columns, numbers, strict=True))
@@ -112,18 +128,11 @@ class Metacal(Estimator):
 
 
 def _differences(
-    beam: "_RoundBeam",
-    facet: Facet,
-    noise: Complex[Array, " cell"],
-    total: float,
-    measure: _Measure,
+    seen: ShearedFacets, measure: _Measure
 ) -> tuple[Float[Array, " 2"], Float[Array, "2 2"]] | None:
     """Return the value of a galaxy and its derivatives with respect to the shear; None if any measurement failed."""
-    # The round beam was made for a facet whose unit of flux may be another.
-    unit = math.sqrt(total / beam.total)
-    seen = beam.metacalibration.sheared_facets(facet.correlation / unit, noise)
     facets = [seen.unsheared, *seen.sheared[0], *seen.sheared[1]]
-    found = [measure(sheared.in_other_unit(unit)) for sheared in facets]
+    found = [measure(sheared) for sheared in facets]
     measured = [numbers for numbers in found if numbers is not None]
     if len(measured) < len(facets):
         return None
@@ -138,21 +147,18 @@ class _RoundBeam:
 
     Parameters
     ----------
-    total
-        Sum of the power of the facet for which it was made [Jy^-2].
     metacalibration
         Makes the facets with the round PSF, with and without a shear.
     cells
         Cells of the facets with the round PSF.
     """
 
-    total: float
     metacalibration: Metacalibration
     cells: Cutout
 
     @classmethod
-    def behind(cls, facet: Facet, cells: Cutout, total: float) -> Self:
-        """Choose the round beam for facets like this one, whose power adds up to ``total``."""
+    def behind(cls, facet: Facet, cells: Cutout) -> Self:
+        """Choose the round beam for facets like this one."""
         power = np.asarray(facet.power, float)
         scale = scale_of(facet.uv, power)
         round_cells = cutout(cells.size, cells.pixel, 0.0, REACH * scale)
@@ -164,4 +170,4 @@ class _RoundBeam:
             round_cells.uv,
             round_cells.multiplicity,
         )
-        return cls(total, metacalibration, round_cells)
+        return cls(metacalibration, round_cells)

@@ -1,6 +1,5 @@
 """Shear from moments of visibility functions: the sum of the moments over the sum of their responses."""
 
-import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -9,8 +8,11 @@ import numpy as np
 from uvshear.estimators.estimator import Estimator
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.terms import Terms
+from uvshear.execution.once import KeptOnce
+from uvshear.shapes.deconvolution import holds
 from uvshear.shapes.moments import REACH, SCALE, MomentFunctional
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
+from uvshear.shapes.statistic_flag import StatisticFlag
 from uvshear.typing import Array, Complex, Float
 
 ELLIPTICITY_SCATTER = 0.3
@@ -22,8 +24,8 @@ RESPONSE = 1.5
 _LONGEST = 1.5 * REACH * SCALE
 """Longest baseline to which the weight function may reach [wavelengths], whatever the error of the position."""
 
-_Beam = tuple[int, float, tuple[float, ...]]
-"""Size of a facet, its longest baseline and the shape of its beam; sources that agree in these share a functional."""
+_MOST_FUNCTIONALS = 64
+"""Largest number of functionals that are kept, each a few hundred kilobytes."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +42,8 @@ class Moments(Estimator):
     """
 
     position_sigma: float = 0.0
-    _functionals: dict[_Beam, tuple[float, MomentFunctional]] = field(
-        default_factory=dict, repr=False, compare=False
+    _functionals: KeptOnce[MomentFunctional] = field(
+        default_factory=lambda: KeptOnce(_MOST_FUNCTIONALS), repr=False, compare=False
     )
 
     name = "moments"
@@ -64,31 +66,32 @@ class Moments(Estimator):
     shape_columns = ("flux",)
     is_expanded = True
 
-    def statistic(self, source: SourceFacet) -> Kept:
+    def statistic(self, source: SourceFacet) -> Kept | StatisticFlag:
         """Measure the moments, with their responses and the covariance of their noise."""
         # Facets of one size and one beam differ only on long baselines, which moments do not use.
-        longest = min(source.cells.longest, _LONGEST)
-        facet = source.facet.within(longest)
-        total, shape = facet.beam_shape()
-        beam = source.cells.size, longest, shape
-        if beam not in self._functionals:
+        facet = source.common.within(_LONGEST)
+        if not facet.has_power:
+            return StatisticFlag.NO_DATA
+
+        def work_out() -> MomentFunctional:
             width = source.cells.size * source.cells.pixel
             power = np.asarray(facet.power, float)
-            functional = MomentFunctional(facet.uv, power, width, self.position_sigma)
-            self._functionals[beam] = total, functional
-        first_total, functional = self._functionals[beam]
-        # The functional was made for a facet whose unit of flux may be another.
-        unit = math.sqrt(total / first_total) if first_total > 0 else 1.0
-        moments = functional.measure(facet.correlation / unit**2)
+            return MomentFunctional(facet.uv, power, width, self.position_sigma)
+
+        functional = self._functionals.value(source.beam_key(_LONGEST), work_out)
+        if not holds(functional.radius, source.prior):
+            return StatisticFlag.TOO_LARGE
+        unit = source.unit
+        moments = functional.measure(facet.correlation)
         covariance = moments.covariance / unit**2
         return {
-            "m1": float(moments.shape[0]),
-            "m2": float(moments.shape[1]),
-            "m_size": moments.size,
-            "r11": float(moments.response[0, 0]),
-            "r12": float(moments.response[0, 1]),
-            "r22": float(moments.response[1, 1]),
-            "r_third": moments.third,
+            "m1": float(moments.shape[0]) / unit,
+            "m2": float(moments.shape[1]) / unit,
+            "m_size": moments.size / unit,
+            "r11": float(moments.response[0, 0]) / unit,
+            "r12": float(moments.response[0, 1]) / unit,
+            "r22": float(moments.response[1, 1]) / unit,
+            "r_third": moments.third / unit,
             "m1_var": float(covariance[0, 0]),
             "m2_var": float(covariance[1, 1]),
             "m12_cov": float(covariance[0, 1]),

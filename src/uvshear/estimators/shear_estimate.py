@@ -26,6 +26,8 @@ class ShearConditions:
         Catalogue's flux below which sources are left out [Jy].
     averages_cells
         Whether the facets are the paper's, which average in uv cells.
+    detection_min
+        Significance below which sources are left out.
     """
 
     estimator: str
@@ -33,6 +35,7 @@ class ShearConditions:
     snr_min: float = 0.0
     flux_min: float = 0.0
     averages_cells: bool = False
+    detection_min: float = 0.0
 
     @property
     def prior(self) -> str:

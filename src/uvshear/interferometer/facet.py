@@ -38,16 +38,10 @@ class Facet:
         """Return the same facet with fluxes in units that are ``unit`` times the present ones."""
         return type(self)(self.uv, self.correlation * unit, self.power * unit**2)
 
-    def beam_shape(self) -> tuple[float, tuple[float, ...]]:
-        """Sum of the power, and second moments of its shape, which facets of the same beam and cells share.
-
-        The shape does not depend on the unit of the flux; the sum scales with its square.
-        """
-        power = np.abs(self.power).astype(float)
-        total = float(power.sum())
-        u, v = self.uv.T / max(float(np.abs(self.uv).max(initial=0.0)), 1.0)
-        moments = np.stack([u * u, v * v, u * v]) @ power / max(total, np.finfo(float).tiny)
-        return total, tuple(np.round(moments, 6).tolist())
+    @property
+    def has_power(self) -> bool:
+        """Whether any cell has power."""
+        return bool(np.any(self.power > 0))
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,14 @@ from uvshear.interferometer.accumulate import show
 from uvshear.interferometer.baseline_map import BaselineMap, BaselineMapAccumulator
 from uvshear.interferometer.count_samples import SampleCountsAccumulator
 from uvshear.interferometer.data_warnings import DataQuality, data_warnings
-from uvshear.interferometer.noise_estimate import NoiseRatioAccumulator
+from uvshear.interferometer.noise_sample import MOST, NoiseSample, NoiseSampleAccumulator
 from uvshear.interferometer.origin import origin_of, parts_of
 from uvshear.interferometer.summary import ObservationSummary, SummaryAccumulator
 from uvshear.interferometer.visibilities import Observation
+
+MOST_OF_ALL, FEWEST_OF_A_PART = 2**18, 2**12
+"""Number of visibilities that represent the noise of all parts of an observation, which take 50 MB, and the smallest
+number for each of many parts, whose noise is then known to 1.1 per cent."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +29,14 @@ class FirstPass:
         Weights of the whole observation over the length and the angle of its baselines.
     qualities
         State of the data, part by part.
+    noise_samples
+        Visibilities from which the noise of each part can be told; None for a part without weight.
     """
 
     summary: ObservationSummary
     baselines: BaselineMap
     qualities: tuple[DataQuality, ...]
+    noise_samples: tuple[NoiseSample | None, ...]
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -40,18 +47,18 @@ class FirstPass:
 def first_pass(observation: Observation, executor: Executor = SERIAL) -> FirstPass:
     """Read an observation once.
 
-    Weights that were scaled to the noise of the data or changed by another weighting are not compared with the noise.
-
     Raises
     ------
     InputError
         No visibility carries weight.
     """
     summary, baselines = SummaryAccumulator(), BaselineMapAccumulator()
-    qualities = []
-    for part in parts_of(observation):
-        origin, counts, noise = origin_of(part), SampleCountsAccumulator(), NoiseRatioAccumulator()
-        compared = [noise] if origin.weights_tell_noise else []
-        show(part.chunks(), [summary, baselines, counts, *compared], executor)
-        qualities.append(DataQuality.from_pass(origin, counts.result(), noise.result()))
-    return FirstPass(summary.result(), baselines.result(), tuple(qualities))
+    qualities, samples = [], []
+    parts = parts_of(observation)
+    most = min(MOST, max(MOST_OF_ALL // len(parts), FEWEST_OF_A_PART))
+    for part in parts:
+        counts, sample = SampleCountsAccumulator(), NoiseSampleAccumulator(most)
+        show(part.chunks(), [summary, baselines, counts, sample], executor)
+        qualities.append(DataQuality.from_pass(origin_of(part), counts.result()))
+        samples.append(sample.result())
+    return FirstPass(summary.result(), baselines.result(), tuple(qualities), tuple(samples))

@@ -13,6 +13,10 @@ STOKES_I = 1
 """Code of Stokes I itself in a Measurement Set's CORR_TYPE (casacore, Stokes::StokesTypes)."""
 
 
+HANDS_COMPARED = 2**14
+"""Largest number of samples of a block at which the two hands are compared."""
+
+
 class Hands(Enum):
     """The two parallel hands of each kind of feed, by their CORR_TYPE codes."""
 
@@ -39,12 +43,15 @@ class StokesI:
         Number of unflagged samples with a NaN or an infinity in the data or weights of a hand.
     non_positive
         Number of unflagged finite samples with a zero or negative weight in a hand.
+    hand_powers
+        :func:`powers_of_hands` of some samples; None where a single correlation stands for Stokes I.
     """
 
     visibilities: Complex[Array, "row chan"]
     weights: Float[Array, "row chan"]
     non_finite: int
     non_positive: int
+    hand_powers: Float[Array, " drawn"] | None = None
 
 
 def parallel_hands(correlation_types: Sequence[int]) -> tuple[int, ...]:
@@ -100,4 +107,36 @@ def stokes_i(
         weights=combined,
         non_finite=int(np.count_nonzero(unflagged & ~finite)),
         non_positive=int(np.count_nonzero(unflagged & finite & ~positive)),
+        hand_powers=powers_of_hands(correlations, combined)
+        if correlations.shape[-1] == 2
+        else None,
     )
+
+
+def powers_of_hands(
+    correlations: Complex[Array, "row chan 2"], weights: Float[Array, "row chan"]
+) -> Float[Array, " drawn"]:
+    r"""Power of the difference of the two hands over its variance, at samples drawn at random.
+
+    .. math:: x = w_I |p - q|^2 / 4
+
+    The difference (p - q)/2 has the noise of Stokes I but not its sky: it is Stokes Q of linear feeds, and Stokes V of
+    circular ones. If the weights are right and the sky is not polarised, x/2 has an exponential distribution of mean 1.
+
+    Parameters
+    ----------
+    weights
+        Weights of Stokes I [Jy^-2].
+    """
+    size = weights.size
+    if size <= HANDS_COMPARED:
+        drawn = np.arange(size)
+    else:
+        # One at random in each of so many equal parts.
+        part = np.random.default_rng(size).uniform(0, 1, HANDS_COMPARED)
+        drawn = ((np.arange(HANDS_COMPARED) + part) * (size / HANDS_COMPARED)).astype(int)
+    row, chan = np.unravel_index(drawn, weights.shape)
+    used = weights[row, chan] > 0
+    row, chan = row[used], chan[used]
+    difference = correlations[row, chan, 0] - correlations[row, chan, 1]
+    return np.abs(difference).astype(float) ** 2 * weights[row, chan] / 4

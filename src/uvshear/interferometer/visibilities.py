@@ -56,6 +56,9 @@ class Visibilities:
     counts
         Numbers of samples of the block that were used and that were left out, by reason; None where the reader has not
         counted.
+    hand_powers
+        Power of the difference of the two parallel hands over its variance (``stokes.powers_of_hands``), at some
+        samples of the block; None where it is not known.
     longest_baseline
         Length that no baseline of the array exceeds [m]; None where the reader does not know it.
     is_screened
@@ -69,6 +72,7 @@ class Visibilities:
     width: Float[Array, " chan"] | None = None
     integrations: Integrations | None = None
     counts: SampleCounts | None = None
+    hand_powers: Float[Array, " drawn"] | None = None
     longest_baseline: float | None = None
     is_screened: bool = False
 
@@ -76,8 +80,8 @@ class Visibilities:
         return len(self.uvw)
 
     def with_stokes_i(self, stokes_i: Complex[Array, "row chan"]) -> Self:
-        """Return the same samples with other visibilities."""
-        return replace(self, stokes_i=stokes_i)
+        """Return the same samples with other visibilities, whose two hands are not known."""
+        return replace(self, stokes_i=stokes_i, hand_powers=None)
 
     @property
     def uv_distance(self) -> Float[Array, "row chan"]:

@@ -77,7 +77,7 @@ class WeightedObservation:
             weights = (seen.weights * (self.scale * self.total_factors(seen))).astype(
                 seen.weights.dtype
             )
-            yield replace(seen, weights=weights)
+            yield replace(seen, weights=weights, hand_powers=None)
 
     def total_factors(self, seen: Visibilities) -> Float[Array, "row chan"]:
         """Product of the factors for a chunk with natural weights, without ``scale``."""

@@ -7,7 +7,9 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.accumulate import show
 from uvshear.interferometer.count_samples import SampleCountsAccumulator
 from uvshear.interferometer.data_warnings import DataQuality, data_warnings
-from uvshear.interferometer.noise_estimate import NoiseRatioAccumulator
+from uvshear.interferometer.noise_estimate import NoiseEstimate, estimate_noise
+from uvshear.interferometer.noise_sample import NoiseSampleAccumulator
+from uvshear.interferometer.noise_warning import noise_warning
 from uvshear.interferometer.origin import origin_of
 from uvshear.interferometer.ranges import ObservationRanges, RangesAccumulator
 from uvshear.interferometer.sample_counts import SampleCounts
@@ -65,7 +67,7 @@ class FieldContent:
     phase_centre
         Direction of l = m = 0.
     quality
-        State of the data: counts of samples, noise, notices.
+        State of the data: counts of samples, notices.
     ranges
         Ranges of time and of baselines.
     number
@@ -74,6 +76,9 @@ class FieldContent:
         Name of the field.
     weight_column
         Column that the weights come from; empty where the format has none.
+    noise
+        Noise over the one that the weights imply; None where it is not known, or where the weights do not claim to be
+        1/sigma^2.
     uvw_agrees
         Whether UVW, as it is read, is X(ANTENNA1) - X(ANTENNA2) by the antennas' positions; None if neither sign fits,
         or if this was not checked.
@@ -85,6 +90,7 @@ class FieldContent:
     number: int | None = None
     name: str = ""
     weight_column: str = ""
+    noise: NoiseEstimate | None = None
     uvw_agrees: bool | None = None
 
     @property
@@ -95,7 +101,8 @@ class FieldContent:
     @property
     def warnings(self) -> tuple[str, ...]:
         """One line for each fact about the data that a user should know."""
-        return data_warnings(self.quality)
+        of_noise = noise_warning(self.quality.name, self.noise)
+        return (*data_warnings(self.quality), *([of_noise] if of_noise else []))
 
 
 @dataclass(frozen=True)
@@ -122,15 +129,19 @@ class Inspection:
 
 def inspect_observation(observation: Observation) -> Inspection:
     """Read an observation once for the content that can be found in any format."""
-    quality, ranges = examine(observation, observation.chunks())
-    return Inspection((FieldContent(observation.phase_centre, quality, ranges),))
+    quality, ranges, noise = examine(observation, observation.chunks())
+    return Inspection((FieldContent(observation.phase_centre, quality, ranges, noise=noise),))
 
 
 def examine(
     observation: Observation, chunks: Iterable[Visibilities]
-) -> tuple[DataQuality, ObservationRanges]:
-    """Return the state of the data and the ranges that they cover, from all chunks of an observation."""
-    counts, ranges, noise = SampleCountsAccumulator(), RangesAccumulator(), NoiseRatioAccumulator()
-    show(chunks, [counts, ranges, noise])
-    quality = DataQuality.from_pass(origin_of(observation), counts.result(), noise.result())
-    return quality, ranges.result()
+) -> tuple[DataQuality, ObservationRanges, NoiseEstimate | None]:
+    """Return the state of the data, the ranges that they cover, and their noise, from all chunks of an observation."""
+    counts, ranges, drawn = SampleCountsAccumulator(), RangesAccumulator(), NoiseSampleAccumulator()
+    show(chunks, [counts, ranges, drawn])
+    origin, sample = origin_of(observation), drawn.result()
+    quality = DataQuality.from_pass(origin, counts.result())
+    noise = None
+    if sample is not None and origin.weights_tell_noise:
+        noise = estimate_noise(sample)
+    return quality, ranges.result(), noise

@@ -149,13 +149,6 @@ class MeasurementSet:
         found = []
         if self.header.weight_column == "SIGMA":
             found.append("WEIGHT has no value above zero; the weights are 1/SIGMA^2")
-        if self.uvw_agrees() is False:
-            found.append(
-                "judging by the positions of the antennas, UVW as it is read is X(ANTENNA2) - X(ANTENNA1), the"
-                " opposite of the usual sign; if the visibilities have the usual phase, sources appear rotated by"
-                f" 180 degrees about the phase centre ({'leave out' if self.conjugates else 'give'} --conjugate to"
-                " reverse the sign)"
-            )
         return tuple(found)
 
     def uvw_agrees(self) -> bool | None:
@@ -316,6 +309,7 @@ def _combine(
         width=description.averaged,
         integrations=integrations,
         counts=counts,
+        hand_powers=combined.hand_powers,
     )
 
 

@@ -47,7 +47,7 @@ def inspect_measurement_set(path: Path, reading: Reading) -> Inspection:
 
 def _content(field: MeasurementSet, names: Mapping[int, str | None]) -> FieldContent:
     # A set in which all is flagged can be inspected as well.
-    quality, ranges = examine(field, field.unchecked_chunks())
+    quality, ranges, noise = examine(field, field.unchecked_chunks())
     number = field.header.field_id
     return FieldContent(
         phase_centre=field.phase_centre,
@@ -56,6 +56,7 @@ def _content(field: MeasurementSet, names: Mapping[int, str | None]) -> FieldCon
         number=number,
         name=names[number] or "",
         weight_column=field.header.weight_column,
+        noise=noise,
         uvw_agrees=field.uvw_agrees(),
     )
 

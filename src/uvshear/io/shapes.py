@@ -70,6 +70,17 @@ COLUMNS: Mapping[str, ShapeColumn] = {
     "position_angle": ShapeColumn(
         "long axis from North through East, in [0, 180)", "deg", float(np.pi / 180)
     ),
+    "detection": ShapeColumn(
+        "significance of the source on the baselines that were used, sqrt(2 Delta log L) against nothing"
+    ),
+    "resolved": ShapeColumn("significance of the extent, sqrt(2 Delta log L) against a point"),
+    "neighbour_distance": ShapeColumn(
+        "distance of the nearest other source that is modelled", "arcsec", ARCSEC
+    ),
+    "error_widening": ShapeColumn("error of e over the one for known neighbours"),
+    "remaining_change": ShapeColumn(
+        "change of the model that another major cycle would bring, over the noise"
+    ),
 }
 """Every column of a table of shapes, in order."""
 

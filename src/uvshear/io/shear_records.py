@@ -28,7 +28,11 @@ def write_shear(
     cuts = None
     if conditions is not None:
         flux_min = rounded(conditions.flux_min / MICROJANSKY)
-        cuts = {"snr_min": conditions.snr_min, "flux_min_ujy": flux_min}
+        cuts = {
+            "snr_min": conditions.snr_min,
+            "detection_min": conditions.detection_min,
+            "flux_min_ujy": flux_min,
+        }
     record: dict[str, object] = estimate.numbers() | dict(estimate.assumed) | made.record()
     record |= {
         "cuts": cuts,

@@ -1,5 +1,6 @@
 """The file beside a table of shapes that holds the statistics for estimators of the shear."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from astropy.table import Column, Table
 from uvshear.errors import InputError
 from uvshear.io.tables import read_table, write_table
 from uvshear.shapes.source_facet import Kept, Statistic
+from uvshear.shapes.statistic_flag import StatisticFlag, flag_column
 from uvshear.typing import Array
 
 
@@ -22,7 +24,7 @@ def statistics_table(
 ) -> Table:
     """Return the table of statistics, with a row for every row of the shapes.
 
-    A source without statistics has NaN or an empty array.
+    A source without statistics has NaN or an empty array, and a flag for each estimator that tells the reason.
 
     Parameters
     ----------
@@ -36,10 +38,39 @@ def statistics_table(
     table = Table({"id": shapes["id"]})
     table.meta["estimators"] = ",".join(getattr(statistic, "name", "") for statistic in estimators)
     for estimator in estimators:
+        if name := getattr(estimator, "name", ""):
+            table[flag_column(name)] = _flags(estimator, flag_column(name), len(shapes), kept)
         for name, column in estimator.columns.items():
             values = _values(name, len(shapes), kept)
             table[name] = Column(values, unit=column.unit, description=column.description)
     return table
+
+
+def missing_statistics(table: Table, estimator: str) -> Mapping[str, int]:
+    """Count the measured sources without a statistic by their flag, the most frequent first.
+
+    Parameters
+    ----------
+    table
+        Table of statistics.
+    estimator
+        Name of the estimator.
+    """
+    name = flag_column(estimator)
+    # Files of earlier versions have no flags.
+    flags = Counter(map(str, table[name]) if name in table.colnames else ())
+    told = {StatisticFlag.OK.word, StatisticFlag.NOT_MEASURED.word}
+    return {flag: count for flag, count in flags.most_common() if flag not in told}
+
+
+def _flags(estimator: Statistic, name: str, rows: int, kept: Mapping[int, Kept]) -> Column:
+    """Return the flags of an estimator; an extraction that tells none has OK where there are numbers."""
+    flags = [StatisticFlag.NOT_MEASURED.word] * rows
+    for source, numbers in kept.items():
+        has_numbers = any(column in numbers for column in estimator.columns)
+        known = StatisticFlag.OK if has_numbers else StatisticFlag.NOT_FITTED
+        flags[source] = str(numbers.get(name, known.word))
+    return Column(flags, description="ok, or the reason why the source has no such statistic")
 
 
 def _values(name: str, rows: int, kept: Mapping[int, Kept]) -> Array:

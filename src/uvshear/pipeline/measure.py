@@ -2,11 +2,13 @@
 
 1. Read the observation once: the lengths of its baselines, the map of its weights, and the checks of the data that
    lead to warnings (``interferometer.first_pass``).
-2. Begin with a sky of round galaxies of the catalogue's fluxes and of median size (``pipeline.field``).
+2. Begin with a sky of round galaxies of the catalogue's fluxes and of median size (``pipeline.field``), and check the
+   sign of UVW by it (``pipeline.data_checks``).
 3. Apply weightings other than the natural one, if any are asked for (``extraction.weighted_shapes``).
 4. Separate the sources and measure each with the others subtracted (``extraction``).
-5. Quote the signal-to-noise ratios of natural weights (``diagnostics.natural_snr``).
-6. Tabulate (``pipeline.tabulate``).
+5. Compare the noise with the weights by the residual of the fitted sky (``pipeline.data_checks``).
+6. Quote the signal-to-noise ratios of natural weights (``diagnostics.natural_snr``).
+7. Tabulate (``pipeline.tabulate``).
 """
 
 import warnings
@@ -17,20 +19,19 @@ from pathlib import Path
 import numpy as np
 
 from uvshear.diagnostics.natural_snr import with_natural_snr
-from uvshear.errors import DataWarning, InputError
+from uvshear.errors import DataWarning, InputError, NothingMeasuredWarning
 from uvshear.estimators.registry import EstimatorLike, estimators_of
 from uvshear.execution import Resources
-from uvshear.extraction import Extracted, Field, MeasurementOptions, Method, Model
+from uvshear.extraction import Extracted, MeasurementOptions, Method, Model
 from uvshear.extraction.weighted_shapes import weigh
-from uvshear.interferometer.first_pass import FirstPass, first_pass
 from uvshear.interferometer.summary import summarise
-from uvshear.interferometer.visibilities import Observation
 from uvshear.io.provenance import Provenance
 from uvshear.io.statistics import statistics_table
 from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
-from uvshear.pipeline.field import field_of_catalogue
 from uvshear.pipeline.measurement import MeasuredField, Measurement
 from uvshear.pipeline.observation import ObservationLike, observation_of, paths_of
+from uvshear.pipeline.outcome import check_field, why_none_was_measured
+from uvshear.pipeline.prepared import Prepared
 from uvshear.pipeline.tabulate import catalogue_of_sky, tabulate_shapes
 from uvshear.predict.response import Response
 from uvshear.progress import Progress
@@ -75,7 +76,8 @@ def measure(
     Warns
     -----
     DataWarning
-        There is a problem in the data; warnings are issued before the work starts.
+        There is a problem in the data, or no galaxy could be measured. Warnings are issued before the work starts,
+        except those that need the fitted sources.
     """
     _check_types(model, method, resources)
     # Some estimators need the shapes alone.
@@ -84,18 +86,19 @@ def measure(
         model or Model(), method or Method(), resources or Resources(), kept
     )
     sources = catalogue_of(catalogue)
-    seen = observation_of(observation)
-    first = first_pass(seen, options.resources.executor)
-    for text in first.warnings:
+    prepared = Prepared.from_observation(observation_of(observation), sources, options)
+    for text in (*prepared.first.warnings, *prepared.checks.sign_warnings(prepared.field.sky)):
         warnings.warn(text, DataWarning, stacklevel=2)
-    field = field_of_catalogue(
-        sources, seen.phase_centre, first.summary, options.model, options.method
-    )
-    field = options.method.extraction.within_reach(field)
-    extracted = _extract(seen, field, first, options, progress)
+    check_field(sources, prepared.observation.phase_centre, prepared.field.flags)
+    prepared, extracted = _extract_with_noise(prepared, progress)
+    for text in prepared.checks.noise_warnings(extracted.sky, extracted.uv_range):
+        warnings.warn(text, DataWarning, stacklevel=2)
+    seen, field, first = prepared.observation, prepared.field, prepared.first
     shapes = tabulate_shapes(sources, field, extracted, seen.phase_centre, options.model)
     made = Provenance("uvshear.measure", (*paths_of(observation), *_path_of(catalogue)))
     shapes.meta.update(made.metadata())
+    if cause := why_none_was_measured(shapes):
+        warnings.warn(f"no galaxy was measured: {cause}", NothingMeasuredWarning, stacklevel=2)
     return Measurement(
         shapes=shapes,
         statistics=statistics_table(shapes, kept, extracted.kept) if kept else None,
@@ -103,6 +106,23 @@ def measure(
         record=extracted.record,
         field=MeasuredField(seen, first.summary, options.model, options.resources),
     )
+
+
+def _extract_with_noise(
+    prepared: Prepared, progress: Progress | None
+) -> tuple[Prepared, Extracted]:
+    """Measure the sources; where the noise of the data is asked for, the weights are corrected to it before.
+
+    The residual of the catalogue's sky tells the noise in most cases. If the residual of the fitted sky says otherwise,
+    the sources are measured once more.
+    """
+    first_sky, uv_range = prepared.field.sky, prepared.field.uv_range
+    prepared = prepared.with_noise_of_data(first_sky, uv_range)
+    extracted = _extract(prepared, progress)
+    corrected = prepared.with_noise_of_data(extracted.sky, extracted.uv_range)
+    if corrected is not prepared:
+        prepared, extracted = corrected, _extract(corrected, progress)
+    return prepared, extracted
 
 
 def _check_types(model: object, method: object, resources: object) -> None:
@@ -118,14 +138,10 @@ def _check_types(model: object, method: object, resources: object) -> None:
             )
 
 
-def _extract(
-    observation: Observation,
-    field: Field,
-    first: FirstPass,
-    options: MeasurementOptions,
-    progress: Progress | None,
-) -> Extracted:
+def _extract(prepared: Prepared, progress: Progress | None) -> Extracted:
     """Measure the sources; signal-to-noise ratios are those of natural weights, whatever the weights of the shapes."""
+    observation, field, first = prepared.observation, prepared.field, prepared.first
+    options = prepared.options
     method, model = options.method, options.model
     seen, among = observation, field
     if method.weightings and len(field.measured):

@@ -24,7 +24,7 @@ from uvshear.io.shapes import extraction_record, metadata, read_shapes, write_sh
 from uvshear.io.statistics import read_statistics, statistics_path, write_statistics
 from uvshear.io.tables import check_table_name
 from uvshear.pipeline.observation import ObservationLike, observation_of
-from uvshear.predict.gridded import Gridding, block_of
+from uvshear.predict.gridded import Gridding
 from uvshear.progress import Meter, Progress
 
 
@@ -166,9 +166,7 @@ class Measurement:
             field.model.profile,
             summary=field.summary,
             uv_range=UvRange(*limits) if isinstance(limits, list) else UvRange(),
-            gridding=Gridding(
-                block=block_of(field.resources.memory), executor=field.resources.executor
-            ),
+            gridding=Gridding.within(field.resources, field.summary.samples),
             attenuation=field.model.attenuation(centre.dec) if is_modelled else None,
             # Every sample is predicted once and imaged twice.
             step=lambda samples: meter.add(samples / 3),

@@ -8,7 +8,11 @@ from uvshear.estimators import Estimator, Sample
 from uvshear.geometry.directions import local_north
 from uvshear.io.shapes import COLUMNS, inside, phase_centre_of
 from uvshear.pipeline.measurement import Measurement
+from uvshear.shapes.measurement import FitFlag
 from uvshear.typing import Array, Bool
+
+FITTED = tuple(flag.word for flag in FitFlag if flag.is_fitted)
+"""Flags of sources whose fit succeeded, whether or not what it found is significant."""
 
 
 def sample_of(measurement: Measurement, estimator: Estimator) -> Sample:
@@ -30,20 +34,32 @@ def sample_of(measurement: Measurement, estimator: Estimator) -> Sample:
 
 
 def selected(
-    shapes: Table, *, snr_min: float = 0.0, flux_min: float = 0.0, where: Array | None = None
+    shapes: Table,
+    *,
+    snr_min: float = 0.0,
+    detection_min: float = 0.0,
+    flux_min: float = 0.0,
+    where: Array | None = None,
 ) -> Bool[Array, " source"]:
-    """Choose sources without a flag, above limits of the measured ``snr`` and of the catalogue's flux [Jy].
+    """Choose sources that were measured, above limits of measured significances and of the catalogue's flux [Jy].
 
-    Shear and noise move galaxies across a cut by ``snr``, which biases any shear; a lens without magnification does
-    not change the flux.
+    Shear and noise move galaxies across a cut by ``snr`` or ``detection``, which biases any shear; a lens without
+    magnification does not change the flux. Sources that are flagged for a low significance are therefore chosen: they
+    have a weight of zero in the mean of ellipticities, and their statistics tell other estimators how little is known.
 
     Parameters
     ----------
+    snr_min, detection_min
+        Least values of the columns ``snr`` and ``detection``.
+    flux_min
+        Least flux in the catalogue [Jy].
     where
         Condition of the user's own: a boolean for each row.
     """
-    chosen = np.asarray(shapes["flag"]).astype(str) == "ok"
+    chosen = np.isin(np.asarray(shapes["flag"]).astype(str), FITTED)
     chosen &= inside(shapes, "snr") >= snr_min
+    if detection_min > 0:
+        chosen &= inside(shapes, "detection") >= detection_min
     if flux_min > 0:
         chosen &= inside(shapes, "flux") >= flux_min
     if where is not None:

@@ -24,11 +24,12 @@ MeasurementLike: TypeAlias = Measurement | Table | str | Path
 """A measurement, a table of shapes, or the file that has it."""
 
 
-def estimate_shear(
+def estimate_shear(  # noqa: PLR0913 - the cuts are arguments of their own
     measurement: MeasurementLike,
     estimator: EstimatorLike = "mean",
     *,
     snr_min: float = 0.0,
+    detection_min: float = 0.0,
     flux_min: float = 0.0,
     where: Array | None = None,
     patches: int | None = None,
@@ -46,6 +47,8 @@ def estimate_shear(
         Estimator, or its name. The default, the mean of ellipticities, is biased by noise.
     snr_min
         Measured signal-to-noise ratio below which sources are left out.
+    detection_min
+        Significance (column ``detection``) below which sources are left out.
     flux_min
         Catalogue's flux below which sources are left out [Jy]: a cut on which shear and noise have no influence.
     where
@@ -71,11 +74,18 @@ def estimate_shear(
     bias, name = _bias_of(correction)
     known = as_measurement(measurement)
     conditions = ShearConditions(
-        method.name, method.record(), snr_min, flux_min, averages_cells(known.shapes)
+        method.name, method.record(), snr_min, flux_min, averages_cells(known.shapes), detection_min
     )
+    if bias is not None and detection_min > 0:
+        raise InputError(
+            f"--detection-min {detection_min:g} (detection_min=): no bias is simulated with this cut; leave it out, or"
+            " do not remove a bias"
+        )
     if bias is not None:
         check_removable(bias, conditions, name)
-    chosen = selected(known.shapes, snr_min=snr_min, flux_min=flux_min, where=where)
+    chosen = selected(
+        known.shapes, snr_min=snr_min, detection_min=detection_min, flux_min=flux_min, where=where
+    )
     sample = sample_of(known, method).select(chosen)
     if patches is not None:
         l, m = (inside(known.shapes, name)[chosen] for name in ("l", "m"))

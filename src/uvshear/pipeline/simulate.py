@@ -1,22 +1,27 @@
 """Simulation of the observation of a catalogue."""
 
+import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
 
+from uvshear.constants import REFERENCE_FREQUENCY
+from uvshear.errors import DataWarning
 from uvshear.execution import SERIAL, Executor
-from uvshear.galaxy import Exponential, Galaxies, Profile
+from uvshear.galaxy import Exponential, Galaxies, Profile, SizeFluxRelation
 from uvshear.geometry.directions import local_north
 from uvshear.geometry.ellipticity import to_field_frame
 from uvshear.interferometer.coverage import synthesise
 from uvshear.interferometer.noise import Noise
 from uvshear.interferometer.plan import ObservingPlan
+from uvshear.io.catalogue import Catalogue
 from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.observation import SimulatedObservation
-from uvshear.typing import Array, Complex
+from uvshear.typing import Array, Complex, Float
 
 Lens: TypeAlias = Callable[[Galaxies, complex | Complex[Array, " source"]], Galaxies]
 """Effect of a reduced shear in the frame of (l, m) on galaxies."""
@@ -41,7 +46,8 @@ def simulate(
     Parameters
     ----------
     catalogue
-        Galaxies, or the file that has them; if it has shears of its own, they are applied.
+        Galaxies, or the file that has them; if it has shears of its own, they are applied. If it has no sizes, these
+        are drawn from the size-flux relation, and galaxies without ellipticities are round.
     plan
         Array, track and channels of the observation.
     noise
@@ -55,10 +61,23 @@ def simulate(
         Effect of a shear on galaxies: ``shear_galaxies``, or ``shear_at_fixed_scale_length`` as in Rivi & Miller
         2018.
     seed
-        Seed of the noise; with None no noise is added, but the weights are those of the noise.
+        Seed of the noise, and of sizes that the catalogue lacks; with None no noise is added, but the weights are those
+        of the noise.
+
+    Warns
+    -----
+    DataWarning
+        The catalogue has no sizes.
     """
     profile = profile or Exponential()
     sources = catalogue_of(catalogue)
+    if sources.scale_length is None and not _all_points(sources):
+        warnings.warn(
+            "the catalogue has no column scale_length: the sizes of its galaxies are drawn from the size-flux relation",
+            DataWarning,
+            stacklevel=2,
+        )
+        sources = replace(sources, scale_length=_drawn_sizes(sources, seed))
     galaxies = sources.galaxies(plan.track.phase_centre)
     north = local_north(plan.track.phase_centre, galaxies.l, galaxies.m)
     for sky_shear in (sources.shear, shear):
@@ -81,3 +100,13 @@ def simulate(
         is_averaged=plan.is_averaged,
         primary_beam=plan.primary_beam,
     )
+
+
+def _all_points(sources: Catalogue) -> bool:
+    return sources.is_point is not None and bool(np.all(sources.is_point))
+
+
+def _drawn_sizes(sources: Catalogue, seed: int | None) -> Float[Array, " source"]:
+    ratio = REFERENCE_FREQUENCY / sources.reference_frequency
+    rng = np.random.default_rng([0 if seed is None else seed, len(sources)])
+    return SizeFluxRelation().draw(sources.flux * ratio**sources.spectral_index, rng)

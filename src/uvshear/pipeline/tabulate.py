@@ -2,6 +2,7 @@
 
 import numpy as np
 from astropy.table import Table
+from scipy.spatial import cKDTree
 
 from uvshear.extraction import Extracted, Field, Model
 from uvshear.geometry.directions import PhaseCentre, equatorial
@@ -9,6 +10,7 @@ from uvshear.io.catalogue import Catalogue
 from uvshear.io.shapes import shapes_table
 from uvshear.shapes.measurement import ShapeMeasurement
 from uvshear.shapes.table_row import shape_values
+from uvshear.typing import Array, Float
 
 
 def tabulate_shapes(
@@ -27,11 +29,22 @@ def tabulate_shapes(
         "l": field.l,
         "m": field.m,
         "flux": sources.flux,
+        "neighbour_distance": _neighbour_distances(field),
         "flag": np.array([result.flag.word for result in results]),
     }
     if sources.ra is not None and sources.dec is not None:
         columns |= {"ra": sources.ra, "dec": sources.dec}
     return shapes_table(columns, phase_centre, record=extracted.record)
+
+
+def _neighbour_distances(field: Field) -> Float[Array, " source"]:
+    """Distance of each source from the nearest other source that is modelled [rad]; NaN where there is none."""
+    place = np.column_stack([field.l, field.m])
+    distance = np.full(len(place), np.nan)
+    if len(field.modelled) > 1:
+        nearest, _ = cKDTree(place[field.modelled]).query(place[field.modelled], k=2)
+        distance[field.modelled] = nearest[:, 1]
+    return distance
 
 
 def catalogue_of_sky(

@@ -1,6 +1,7 @@
 """Visibilities of galaxies by the exact sum over sources."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -10,6 +11,8 @@ from uvshear.execution import SERIAL, Executor
 from uvshear.galaxy import Exponential, Galaxies, Profile
 from uvshear.geometry.directions import n_minus_one
 from uvshear.geometry.ellipticity import quadratic_form
+from uvshear.interferometer.attenuation import Attenuation
+from uvshear.interferometer.samples import Samples
 from uvshear.predict import kernels
 from uvshear.predict.losses import Losses
 from uvshear.typing import Array, Complex, Float
@@ -66,12 +69,18 @@ def predict_visibilities(
             factor = None
             if losses is not None:
                 samples = losses.samples(uvw, frequency, rows, chan)
-                factor = partial(losses.attenuation.factor, samples)
+                factor = partial(_attenuation, losses.attenuation, samples, galaxies)
             vis[rows, chan] = _predict_slab(sky, block, chan, profile, factor)
 
     for _ in executor.map(fill, range(0, len(uvw), SLAB)):
         pass
     return vis
+
+
+def _attenuation(
+    attenuation: Attenuation, samples: Samples, galaxies: Galaxies, source: int
+) -> Float[Array, " sample"]:
+    return attenuation.factor(samples, float(galaxies.l[source]), float(galaxies.m[source]))
 
 
 class _Sky:
@@ -88,12 +97,31 @@ class _Sky:
         self.per_metre = frequency / SPEED_OF_LIGHT
 
 
+def sum_of_sources(
+    galaxies: Galaxies,
+    uvw: Float[Array, "sample 3"],
+    profile: Profile,
+    factor: Callable[[int], Float[Array, " sample"]],
+) -> Complex[Array, " sample"]:
+    """Sum the visibilities of all galaxies [Jy] at baselines in wavelengths.
+
+    Parameters
+    ----------
+    factor
+        Function that returns the factor of each sample for a source, given its index: its spectrum, and attenuation if
+        there is any.
+    """
+    flat = replace(galaxies, spectral_index=np.zeros(len(galaxies)))
+    sky = _Sky(flat, np.array([SPEED_OF_LIGHT]))
+    return _predict_slab(sky, np.ascontiguousarray(uvw.T, float), 0, profile, factor)
+
+
 def _predict_slab(
     sky: _Sky,
     uvw: Float[Array, "3 row"],
     chan: int,
     profile: Profile,
-    factor: Callable[[float, float], Float[Array, " row"]] | None,
+    factor: Callable[[int], Float[Array, " row"]] | None,
 ) -> Complex[Array, " row"]:
     real, imaginary, q = np.zeros((3, uvw.shape[1]))
     per_metre = sky.per_metre[chan]
@@ -102,8 +130,7 @@ def _predict_slab(
         kernels.profile_argument(uvw, per_metre, slope_l, slope_m, sky.forms[source], q)
         envelope = profile.envelope(q)
         if factor is not None:
-            l, m, _ = sky.lmn1[source].tolist()
-            envelope = envelope * factor(l, m)
+            envelope = envelope * factor(source)
         flux = sky.flux[source, chan]
         kernels.add_source(uvw, per_metre, sky.lmn1[source], flux, envelope, real, imaginary)
     return real + 1j * imaginary

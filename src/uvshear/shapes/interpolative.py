@@ -11,7 +11,7 @@ and the same with squares holds for <m, m>. X does not depend on the data, so th
 cells and similar weights.
 """
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Self
 
@@ -35,8 +35,22 @@ TOLERANCE = 3e-5
 LEAST_POWER = 1e-4
 """Smallest weight of a cell in that norm, over the mean: other facets of the same cells may have data there."""
 
+_RINGS = 16
+"""Number of rings, each half an octave of the distance from the origin, within which all cells have the same weight, a
+power of two. Facets of similar beams then share a decomposition, which depends on nothing but its key."""
+
 _TEMPLATES, _COMBINATIONS = 1024, 400
 """Templates drawn from the family, and random combinations of these in the pivoted QR."""
+
+MOST_CELLS = 20_000
+"""Largest number of cells of a facet that is decomposed, which takes 0.3 GB then. The facet of a galaxy of usual size
+has 7000; wider facets are those of bright galaxies, whose likelihoods are mostly computed without a decomposition."""
+
+_MOST_KEPT = 4
+"""Largest number of decompositions that are kept, each up to 50 MB."""
+
+_CELLS_AT_A_TIME = 4096
+"""Number of cells on which all templates are evaluated at a time."""
 
 _BATCH = 256
 """Number of templates evaluated at a time; this many fit into the level-2 cache."""
@@ -56,18 +70,22 @@ class InterpolativeDecomposition:
     coefficients: Float[Array, "chosen cell"]
 
     @classmethod
-    def from_functions(
-        cls, functions: Float[Array, "function cell"], weight: Float[Array, " cell"]
+    def from_combinations(
+        cls, combinations: Float[Array, "combination cell"], weight: Float[Array, " cell"]
     ) -> Self:
-        """Choose the cells that determine functions to ``TOLERANCE`` in the norm with this weight."""
-        rng = np.random.default_rng(0)
-        mixing = rng.standard_normal((_COMBINATIONS, len(functions))) / np.sqrt(len(functions))
+        """Choose the cells that determine functions to ``TOLERANCE`` in the norm with this weight.
+
+        ``combinations`` are random combinations of the functions, which are overwritten.
+        """
         root = np.sqrt(weight)
-        triangle, order = qr(mixing @ (functions * root), mode="r", pivoting=True)
+        combinations *= root
+        triangle, order = qr(
+            combinations, mode="r", pivoting=True, overwrite_a=True, check_finite=False
+        )
         size = np.abs(np.diag(triangle))
         rank = int(np.sum(size > TOLERANCE * size[0]))
         inner = solve_triangular(triangle[:rank, :rank], triangle[:rank, rank:])
-        coefficients = np.empty((rank, functions.shape[1]))
+        coefficients = np.empty((rank, len(weight)))
         coefficients[:, order[:rank]] = np.eye(rank)
         coefficients[:, order[rank:]] = inner
         coefficients *= root[order[:rank], None] / root
@@ -105,11 +123,11 @@ class TemplateDecomposition:
         drawn = qmc.Sobol(3, seed=0).random(_TEMPLATES)
         e = largest * np.sqrt(drawn[:, 0]) * np.exp(2j * np.pi * drawn[:, 1])
         size = 2 * np.pi * np.exp(log_sizes[0] + (log_sizes[1] - log_sizes[0]) * drawn[:, 2])
-        envelopes = _envelopes(facet.uv.T, np.stack(quadratic_form(e, size), axis=-1), profile)
-        power = np.asarray(facet.power, float)
-        weight = np.maximum(power / power.mean(), LEAST_POWER)
-        decompose = InterpolativeDecomposition.from_functions
-        return cls(decompose(envelopes, weight), decompose(envelopes**2, weight))
+        forms = np.stack(quadratic_form(e, size), axis=-1)
+        weight = _power_by_ring(facet)[_rings(facet.uv)]
+        values, squares = _combinations(facet.uv, forms, profile)
+        decompose = InterpolativeDecomposition.from_combinations
+        return cls(decompose(values, weight), decompose(squares, weight))
 
 
 class DecomposedCorrelator:
@@ -154,17 +172,55 @@ def _envelopes(
     return profile.envelope(q)
 
 
+def _rings(uv: Float[Array, "cell 2"]) -> Int[Array, " cell"]:
+    """Return the number of the ring in which each cell lies, counted from the farthest cell inwards."""
+    distance = np.hypot(*uv.T)
+    below = 2 * np.log2(distance.max() / np.maximum(distance, 1e-300))
+    return np.minimum(below.astype(int), _RINGS - 1)
+
+
+def _power_by_ring(facet: Facet) -> Float[Array, " ring"]:
+    """Return the mean power in each ring over that of all cells, rounded so that similar beams have the same."""
+    power, rings = np.asarray(facet.power, float), _rings(facet.uv)
+    total = np.bincount(rings, power / power.mean(), _RINGS)
+    mean = np.maximum(total / np.maximum(np.bincount(rings, minlength=_RINGS), 1), LEAST_POWER)
+    return 2.0 ** np.rint(np.log2(mean))
+
+
+def _combinations(
+    uv: Float[Array, "cell 2"], forms: Float[Array, "function 3"], profile: Profile
+) -> tuple[Float[Array, "combination cell"], Float[Array, "combination cell"]]:
+    """Random combinations of templates, and of their squares, a few cells at a time."""
+    rng = np.random.default_rng(0)
+    mixing = rng.standard_normal((_COMBINATIONS, len(forms))) / np.sqrt(len(forms))
+    values, squares = (np.empty((_COMBINATIONS, len(uv)), order="F") for _ in range(2))
+    for start in range(0, len(uv), _CELLS_AT_A_TIME):
+        cells = slice(start, start + _CELLS_AT_A_TIME)
+        templates = _envelopes(np.ascontiguousarray(uv[cells].T), forms, profile)
+        values[:, cells] = mixing @ templates
+        squares[:, cells] = mixing @ templates**2
+    return values, squares
+
+
 class DecompositionCache:
-    """Decompositions for facets of one profile; each is computed when it is first needed, and then kept."""
+    """Decompositions for facets of one profile; each is computed when it is first needed, and the last are kept."""
 
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
-        self._kept: KeptOnce[TemplateDecomposition] = KeptOnce()
+        self._kept: KeptOnce[TemplateDecomposition] = KeptOnce(_MOST_KEPT)
+
+    def maker_for(
+        self, facet: Facet, cells: Hashable, prior: ShapePrior
+    ) -> Callable[[], TemplateDecomposition] | None:
+        """Return a function that makes the decomposition for a facet; None where the facet has too many cells."""
+        if len(facet.uv) > MOST_CELLS:
+            return None
+        return lambda: self.decomposition(facet, cells, prior)
 
     def decomposition(
         self, facet: Facet, cells: Hashable, prior: ShapePrior
     ) -> TemplateDecomposition:
-        """Decomposition for a facet with these cells and this beam, and for the sizes that a prior allows.
+        """Decomposition for a facet with these cells and a beam like this, and for the sizes that a prior allows.
 
         Parameters
         ----------
@@ -175,8 +231,8 @@ class DecompositionCache:
         prior
             Prior of the source's shape.
         """
+        weights = tuple(_power_by_ring(facet).tolist())
         step, sigma = round(prior.log_scale_length / _SIZE_STEP), prior.log_scale_length_sigma
-        beam = round(float(facet.power[0] / np.mean(facet.power)), 4)
 
         def work_out() -> TemplateDecomposition:
             middle, reach = step * _SIZE_STEP, _SIZE_REACH * sigma + _SIZE_STEP / 2
@@ -184,4 +240,4 @@ class DecompositionCache:
                 facet, self._profile, (middle - reach, middle + reach)
             )
 
-        return self._kept.value((cells, beam, step, sigma), work_out)
+        return self._kept.value((cells, weights, step, sigma), work_out)

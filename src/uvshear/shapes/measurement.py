@@ -25,11 +25,19 @@ class FitFlag(Enum):
     NO_PEAK = "the data do not correlate with a galaxy at this position: no positive flux fits"
     UNDETERMINED = "there are too few baselines to determine a position"
     OFF_POSITION = "the best position is outside the prior on the position"
-    NOT_CONVERGED = "the maximum of the likelihood, or the extent of the posterior, was not found"
+    NOT_CONVERGED = (
+        "the maximum of the likelihood, or the extent of the posterior, was not found, or another"
+        " major cycle would still change the source noticeably (remaining_change)"
+    )
     DUPLICATE = "a brighter source is at the same position; this one was left out"
     CONTAMINATED = (
         "the residual around the source is more than noise: the catalogue lacks a neighbour,"
         " or the profile is wrong"
+    )
+    NOT_DETECTED = "the data do not show a source: its significance (detection) is below 5"
+    UNRESOLVED = (
+        "the data do not tell the source from a point: the significance of its extent (resolved) is"
+        " too low"
     )
     UNRELIABLE = "the posterior is narrower than the data and the prior together allow"
 
@@ -37,6 +45,11 @@ class FitFlag(Enum):
     def word(self) -> str:
         """The flag as it appears in tables."""
         return self.name.lower()
+
+    @property
+    def is_fitted(self) -> bool:
+        """Whether the fit succeeded; what it found need not be significant."""
+        return self in {FitFlag.OK, FitFlag.NOT_DETECTED, FitFlag.UNRESOLVED}
 
 
 @dataclass(frozen=True)
@@ -74,6 +87,28 @@ class GalaxyFit:
 
 
 @dataclass(frozen=True)
+class Quality:
+    """How far the measurement of a source can be trusted; NaN where it is not known.
+
+    Parameters
+    ----------
+    detection
+        Significance of the source, sqrt(2 Delta log L) of the most likely galaxy against no source.
+    resolved
+        Significance of its extent, sqrt(2 Delta log L) of the most likely galaxy against a point.
+    error_widening
+        Error of e over what it would be if the parameters of the neighbours were known.
+    remaining_change
+        Change of the model of the source that another major cycle would bring, in units of the noise.
+    """
+
+    detection: float = math.nan
+    resolved: float = math.nan
+    error_widening: float = math.nan
+    remaining_change: float = math.nan
+
+
+@dataclass(frozen=True)
 class ShapeMeasurement:
     """Posterior means and standard deviations of one source; NaN where nothing was measured.
 
@@ -92,9 +127,11 @@ class ShapeMeasurement:
     snr
         Flux over its error at fixed shape.
     best
-        The most likely galaxy; None unless the flag is OK.
+        The most likely galaxy; None where the fit failed.
     flag
         Outcome of the fit.
+    quality
+        How far the measurement can be trusted.
     """
 
     ellipticity: Float[Array, " 2"]
@@ -108,6 +145,7 @@ class ShapeMeasurement:
     snr: float
     best: GalaxyFit | None
     flag: FitFlag
+    quality: Quality = Quality()
 
     @classmethod
     def failed(cls, flag: FitFlag) -> Self:

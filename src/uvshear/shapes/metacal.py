@@ -24,6 +24,13 @@ WIDEST = 20e3
 REACH = 3.2
 """Longest baseline of the round beam, over s."""
 
+MOST_PIXELS = 2600
+"""Largest number of pixels of half of the disc, the unknowns of the deconvolution: its two matrices take 0.1 GB then.
+It allows for discs of 56 arcsec with baselines of 65 kilowavelengths."""
+
+MOST_NOISE_CELLS = 512
+"""Largest number of cells from which the mean noise of a round beam is computed."""
+
 STEP = 0.02
 """Shear that is applied, with either sign: the remainder of third order is 4e-4 of the response."""
 
@@ -61,6 +68,11 @@ def scale_of(uv: Float[Array, "cell 2"], power: Float[Array, " cell"]) -> float:
 class Metacalibration:
     """Makes facets with a round PSF from the facets of one set of cells and one beam.
 
+    Attributes
+    ----------
+    radius
+        Radius of the disc within which the deconvolution is exact [rad].
+
     Parameters
     ----------
     uv
@@ -89,15 +101,17 @@ class Metacalibration:
         longest = REACH * scale * (1 + STEP)
         self._cells = np.flatnonzero(np.hypot(*uv.T) <= longest)
         near, self._power = uv[self._cells], np.abs(power[self._cells])
-        self._disc, self._target = Disc(width, longest), target
-        even, odd = (part(self._disc, near, power[self._cells]) for part in (EvenPart, OddPart))
-        self._even, self._odd = even.image(), odd.image()
+        self._disc, self._target = Disc(width, longest, MOST_PIXELS), target
+        self.radius = self._disc.radius
+        self._even, self._odd = (
+            part(self._disc, near, power[self._cells]) for part in (EvenPart, OddPart)
+        )
         self._index = tuple(self._disc.size // 2 + self._disc.index.T)
         self._mirrored = tuple(self._disc.size // 2 - self._disc.index.T)
         taper = multiplicity * np.exp(-np.sum(target**2, axis=-1) / (2 * scale**2))
         # The noise is smooth: one cell in sixteen is enough to know its mean.
-        few = slice(None, None, 16)
-        noise = 2 * even.variance(np.cos(2 * math.pi * target[few] @ self._disc.places.T))
+        few = slice(None, None, max(16, len(target) // MOST_NOISE_CELLS))
+        noise = 2 * self._even.variance(np.cos(2 * math.pi * target[few] @ self._disc.places.T))
         # The power is such that it describes the noise of the facets on average.
         self._beam = taper * (np.sum(taper[few]) / np.sum(taper[few] ** 2 * noise))
 
@@ -126,7 +140,7 @@ class Metacalibration:
         return ShearedFacets(facet(0j), (first, second))
 
     def _image(self, data: Complex[Array, " cell"]) -> Complex[Array, "l m"]:
-        even, odd = self._even @ data.real, self._odd @ data.imag
+        even, odd = self._even.brightness(data.real), self._odd.brightness(data.imag)
         image = np.zeros((self._disc.size, self._disc.size), complex)
         # The central pixel stands for both of its halves.
         image[self._index] = (even + odd) / 2

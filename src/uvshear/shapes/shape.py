@@ -165,7 +165,8 @@ def _summarise(
         scale_length=float(size[0]),
         scale_length_err=math.sqrt(size_variance[0, 0]),
         offset=offset * correlator.length,
-        offset_err=np.sqrt(offset_variance) * correlator.length,
+        # Where all nodes are at one place, rounding may leave a variance below zero.
+        offset_err=np.sqrt(np.maximum(offset_variance, 0)) * correlator.length,
         snr=float(flux[0] * math.sqrt(p @ given.norm)),
         best=_galaxy(best, correlator) if flag is FitFlag.OK else None,
         flag=flag,

@@ -1,8 +1,9 @@
 """The facet of one source as it is passed to estimators of the shear, and the statistics that they keep."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from hashlib import blake2b
 from typing import Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
@@ -13,10 +14,12 @@ from uvshear.interferometer.facet import Facet
 from uvshear.shapes.measurement import ShapeMeasurement
 from uvshear.shapes.prior import ShapePrior
 from uvshear.shapes.shape import measure_shape
-from uvshear.typing import Array, Complex
+from uvshear.shapes.significance import with_significance
+from uvshear.shapes.statistic_flag import StatisticFlag
+from uvshear.typing import Array, Complex, Float
 
-Kept: TypeAlias = Mapping[str, float | Array]
-"""Statistics of one source: a number or a one-dimensional array for each column."""
+Kept: TypeAlias = Mapping[str, float | Array | str]
+"""Statistics of one source: a number, a one-dimensional array or a word for each column."""
 
 DrawNoise: TypeAlias = Callable[[int], Complex[Array, " cell"]]
 """Function from a seed to noise on the cells of a facet, in standard deviations of each component; it is independent of
@@ -80,6 +83,13 @@ class SourceFacet:
         Distribution of intrinsic ellipticities, on which weights depend.
     draw_noise
         Function that draws more noise like that of the facet.
+    unit
+        Unit of the facet's flux, over the unit in which all sources with the same beam have the same power.
+    beam
+        Power of the facet in that other unit, bit for bit the same for all sources with the same beam; the power of the
+        facet itself unless given.
+    tests_significance
+        Whether a source that the data do not show, or do not tell from a point, has a flag, as in a table of shapes.
     """
 
     facet: Facet
@@ -89,11 +99,35 @@ class SourceFacet:
     profile: Profile
     population: EllipticityPrior
     draw_noise: DrawNoise
+    unit: float = 1.0
+    beam: Float[Array, " cell"] | None = None
+    tests_significance: bool = True
+
+    @property
+    def common(self) -> Facet:
+        """The facet in the unit of flux in which all sources with the same beam have the same power."""
+        if self.beam is None:
+            return self.facet
+        return Facet(self.facet.uv, self.facet.correlation / self.unit, self.beam)
+
+    def beam_key(self, longest: float) -> Hashable:
+        """Key that is equal for sources with the same cells and the same beam up to a longest baseline [wavelengths].
+
+        What depends on the cells and the beam alone is worked out once for all of these sources, from any of them: it
+        is the same to the last bit.
+        """
+        power = self.common.within(longest).power
+        cells = self.cells
+        digest = blake2b(np.ascontiguousarray(power).tobytes(), digest_size=16).digest()
+        return cells.size, cells.pixel, cells.shortest, min(cells.longest, longest), digest
 
     @cached_property
     def shape(self) -> ShapeMeasurement:
         """Shape measured on the facet."""
-        return measure_shape(self.facet, self.prior, self.profile)
+        shape = measure_shape(self.facet, self.prior, self.profile)
+        if not self.tests_significance:
+            return shape
+        return with_significance(shape, self.facet, self.prior, self.profile)
 
 
 @runtime_checkable
@@ -105,6 +139,6 @@ class Statistic(Protocol):
         """Columns by name; none where the table of shapes already has all that is needed."""
         ...
 
-    def statistic(self, source: SourceFacet) -> Kept | None:
-        """Compute the value of each column; None where the source has no value."""
+    def statistic(self, source: SourceFacet) -> Kept | StatisticFlag | None:
+        """Compute the value of each column; where the source has none, return the reason, or None."""
         ...

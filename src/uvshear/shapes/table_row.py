@@ -35,4 +35,8 @@ def shape_values(shape: ShapeMeasurement, population: EllipticityPrior) -> Mappi
         "flux_fit_err": shape.flux_err,
         "dl": float(shape.offset[0]),
         "dm": float(shape.offset[1]),
+        "detection": shape.quality.detection,
+        "resolved": shape.quality.resolved,
+        "error_widening": shape.quality.error_widening,
+        "remaining_change": shape.quality.remaining_change,
     }

@@ -151,6 +151,7 @@ class SimulatedObservation:
                 weights=combined.weights,
                 width=self.averaged_width,
                 integrations=self._integrations(rows),
+                hand_powers=combined.hand_powers,
             )
 
     def _integrations(self, rows: slice) -> Integrations:

@@ -190,7 +190,7 @@ def test_a_mixture_adds_what_its_beams_have():
     mixture = Mixture.from_shares((0, 1, 2), np.array([0.7, 1e-9, -0.4]))
     assert mixture.beams == (0, 2)
     np.testing.assert_allclose(
-        mixture.of(quantities.__getitem__), 0.7 * quantities[0] - 0.4 * quantities[2], rtol=1e-6
+        mixture.mixed(quantities.__getitem__), 0.7 * quantities[0] - 0.4 * quantities[2], rtol=1e-6
     )
     alone = Mixture.from_shares((1,), np.ones(1))
-    assert np.shares_memory(alone.of(quantities.__getitem__), quantities)
+    assert np.shares_memory(alone.mixed(quantities.__getitem__), quantities)

@@ -10,18 +10,24 @@ from tests.extraction.converged.states import nothing, touching_pair
 from tests.extraction.fields import OPTIONS
 from uvshear.extraction.converged.statistics import keep_statistics
 from uvshear.shapes.source_facet import Column, SourceFacet
+from uvshear.shapes.statistic_flag import StatisticFlag
 
 
 @dataclass(frozen=True)
 class Spy:
-    """Keeps the power of each source, and what it saw of it."""
+    """Keeps the power of each source, and what it saw of it, unless its catalogue's flux is the given one."""
 
     seen: list
+    without: float | None = None
+    answer: StatisticFlag | None = None
+    name = "spy"
     columns: ClassVar = {"power": Column("sum of the power", "Jy-2")}
 
     def statistic(self, source: SourceFacet):
         self.seen.append(source)
-        return {"power": float(source.facet.power.sum())} if len(self.seen) != 2 else None
+        if source.flux == self.without:
+            return self.answer
+        return {"power": float(source.facet.power.sum())}
 
 
 @pytest.fixture(scope="module")
@@ -29,19 +35,26 @@ def prepared():
     return touching_pair()
 
 
-def _keep(prepared, modelled=None, on_source=nothing):
-    spy = Spy([])
+def _keep(prepared, modelled=None, on_source=nothing, spy=None):
+    spy = spy or Spy([])
     setting = replace(OPTIONS.setting, keep=(spy,))
     modelled = modelled or prepared.modelled
     centre = prepared.observation.phase_centre
-    return spy.seen, keep_statistics(prepared.state, modelled, setting, centre, on_source)
+    kept = keep_statistics(prepared.state, modelled, setting, centre, on_source)
+    fluxes = prepared.truth.flux.tolist()
+    return sorted(spy.seen, key=lambda source: fluxes.index(source.flux)), kept
 
 
-def test_a_source_that_has_none_is_left_out(prepared):
+@pytest.mark.parametrize(
+    ("answer", "word"), [(None, "not_fitted"), (StatisticFlag.TOO_LARGE, "too_large")]
+)
+def test_a_source_that_has_none_has_a_reason(prepared, answer, word):
     heard = []
-    seen, kept = _keep(prepared, on_source=lambda: heard.append(1))
+    spy = Spy([], prepared.truth.flux[1], answer)
+    seen, kept = _keep(prepared, on_source=lambda: heard.append(1), spy=spy)
     assert len(seen) == len(heard) == 2
-    assert sorted(kept) == [0]
+    assert kept[1] == {"flag_spy": word}
+    assert kept[0]["flag_spy"] == "ok"
     assert kept[0]["power"] == pytest.approx(prepared.state.facet(0).power.sum(), rel=1e-6)
 
 

@@ -66,7 +66,7 @@ class Mixture:
         ]
         return cls(tuple(beam for beam, _ in kept), tuple(share for _, share in kept))
 
-    def of(self, quantity: Callable[[int], Float[Array, "..."]]) -> Float[Array, "..."]:
+    def mixed(self, quantity: Callable[[int], Float[Array, "..."]]) -> Float[Array, "..."]:
         """Mix a quantity that each beam has and that is linear in the beam."""
         if self.shares == (1.0,):
             return quantity(self.beams[0])
@@ -107,7 +107,7 @@ class Beams:
                 self._powers[beam, cutout] = power_of(self.images[beam], cutout)
             return self._powers[beam, cutout]
 
-        return self.mixtures[source].of(of_beam)
+        return self.mixtures[source].mixed(of_beam)
 
     def plateau(self, apart: Float[Array, "pair 2"]) -> Float[Array, " pair"]:
         """Beam of the short baselines at distances along l and m [rad]; 0 beyond its image."""
@@ -251,7 +251,8 @@ class BeamAccumulator(BlockAccumulator[Beams]):
             return beam, part, len(plane.phase)
 
         tasks = [(beam, rows) for beam in range(len(plan.nodes)) for rows in slabs(len(samples))]
-        for beam, part, count in gridding.executor.map(image, tasks):
+        executor = gridding.executor_for(SIZE, len(samples))
+        for beam, part, count in executor.map(image, tasks):
             self._images[beam] += part
             if self._on_work is not None:
                 self._on_work(NANOSECONDS * count)

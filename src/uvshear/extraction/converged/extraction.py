@@ -36,7 +36,7 @@ from uvshear.extraction.extraction import Extracted, Extraction, Setting
 from uvshear.extraction.field import Field
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
-from uvshear.predict.gridded import Gridding, block_of
+from uvshear.predict.gridded import Gridding
 from uvshear.progress import Meter, Progress
 from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.source_facet import Kept
@@ -83,7 +83,7 @@ class ConvergedExtraction(Extraction):
     keeps_statistics = True
 
     tolerance: float = 0.1
-    most_major_cycles: int = 5
+    most_major_cycles: int = 10
     scale_lengths: float = 45.0
     epsilon: float = 1e-4
     shortest: float | None = None
@@ -121,7 +121,7 @@ class ConvergedExtraction(Extraction):
             field, modelled.is_galaxy, self.shortest, setting.model.profile
         )
         planner = Planner.from_field(modelled, baselines, self.scale_lengths)
-        gridding = Gridding(self._epsilon(field), block_of(setting.resources.memory), executor)
+        gridding = Gridding.within(setting.resources, field.summary.samples, self._epsilon(field))
         on_fit, on_shape, on_statistics = (
             partial(meter.add, work) for work in (FIT, POSTERIOR, STATISTICS)
         )
@@ -153,7 +153,7 @@ class ConvergedExtraction(Extraction):
             if plan.has_all_baselines and is_last:
                 break
 
-        measurements = measure_shapes(state, modelled, executor, on_shape)
+        measurements = measure_shapes(state, modelled, history, executor, on_shape)
         record = self._record(history, baselines)
         statistics: Mapping[int, Kept] = {}
         if setting.keep:

@@ -6,6 +6,9 @@ from typing import Self
 from uvshear.extraction.converged.minor_cycle import Moves, rms
 from uvshear.typing import Array, Float
 
+FARTHEST = 5.0
+"""Largest estimate of all further changes, over the last one: changes that hardly shrink tell of no end."""
+
 
 @dataclass(frozen=True)
 class History:
@@ -37,20 +40,26 @@ class History:
     @property
     def left_undone(self) -> float:
         """Change that another major cycle would bring, rms over the sources."""
-        return self.change_rms[-1] * self._shrinkage
+        return self.change_rms[-1] * self.shrinkage
 
     @property
     def left_undone_most(self) -> float:
         """Largest change of a source that another major cycle would bring."""
-        return self.change_max[-1] * self._shrinkage
+        return self.change_max[-1] * self.shrinkage
 
     @property
-    def _shrinkage(self) -> float:
-        """Factor from one change to the next: changes shrink by about the same factor each time."""
+    def shrinkage(self) -> float:
+        """Factor from one change of the sky to the next: changes shrink by about the same factor each time."""
         if len(self) == 1:
             return 1.0
         before, last = self.change_rms[-2:]
         return min(last / before, 1.0) if before > 0 else 0.0
+
+    @property
+    def left_to_the_limit(self) -> float:
+        """Sum of all further changes over the last one, if they go on to shrink by the same factor."""
+        factor = self.shrinkage
+        return min(factor / (1 - factor), FARTHEST) if factor < 1 else FARTHEST
 
     def record(self) -> dict[str, object]:
         """Return the numbers that are stored with the shapes."""

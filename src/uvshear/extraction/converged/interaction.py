@@ -105,7 +105,7 @@ class Interaction:
     ) -> tuple[float, Float[Array, "l m"]]:
         """Return the change of a source in units of the noise, and that of the dirty image around it."""
         change = self._transform(after) - self._transform(before)
-        seen = change * self._beams.mixtures[source].of(self._spectrum)
+        seen = change * self._beams.mixtures[source].mixed(self._spectrum)
         # This is half of the plane: the column v = 0 counts once, as does the last.
         product = (seen * change.conj()).real
         power = 2 * product.sum(dtype=float) - product[:, [0, -1]].sum(dtype=float)
@@ -121,7 +121,7 @@ class Interaction:
                 self._own[beam, cutout] = self._own_power(beam, cutout)
             return self._own[beam, cutout]
 
-        return self._beams.mixtures[source].of(of_beam)
+        return self._beams.mixtures[source].mixed(of_beam)
 
     def plane_around(self, source: int) -> BeamPlane:
         """Cells and power of the beam of a source on all baselines of the interaction, for sources that overlap."""
@@ -154,7 +154,7 @@ class Interaction:
         def of_beam(beam: int) -> Float[Array, " cell"]:
             return self._plane_power(beam, longest)
 
-        return BeamPlane(self._cells(longest).uv, self._beams.mixtures[source].of(of_beam))
+        return BeamPlane(self._cells(longest).uv, self._beams.mixtures[source].mixed(of_beam))
 
     def _plane_power(self, beam: int, longest: float) -> Float[Array, " cell"]:
         if (beam, longest) not in self._planes:

@@ -203,7 +203,8 @@ def _images(
         for seen_as in matched.seen_as
         for rows in parts_of_rows
     )
-    parts = gridding.executor.map(image, tasks)
+    widest = max(tile.size for tile in tiles)
+    parts = gridding.executor_for(widest, len(samples)).map(image, tasks)
     for matched in filters:
         images = []
         for _ in matched.seen_as:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from uvshear.execution import Executor
+from uvshear.extraction.converged.history import History
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.neighbour_marginalisation import (
     NeighbourMarginalisation,
@@ -13,23 +14,28 @@ from uvshear.extraction.converged.neighbour_marginalisation import (
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.shapes.measurement import FitFlag, ShapeMeasurement
 from uvshear.shapes.neighbours import with_neighbours_marginalised
+from uvshear.shapes.remaining_change import RemainingChange, with_remaining_change
 from uvshear.shapes.residual_significance import SIGNIFICANT, residual_significance
 from uvshear.shapes.shape import measure_shape
+from uvshear.shapes.significance import with_significance
 
 
 def measure_shapes(
     state: SkyState,
     modelled: ModelledField,
+    history: History,
     executor: Executor,
     on_shape: Callable[[], None],
 ) -> Mapping[int, ShapeMeasurement]:
     """Sample the posterior of every galaxy; the results are by index of the catalogue, in its fluxes."""
     galaxies = modelled.galaxies
+    remaining = _remaining_changes(state, history)
     neighbours = dict(zip(galaxies, marginalise_all(state, galaxies), strict=True))
 
     def measure(k: int) -> ShapeMeasurement:
         correction = float(modelled.field.weight_correction[modelled.field.modelled[k]])
-        return _measure(state, k, neighbours[k], correction)
+        shape = _measure(state, k, neighbours[k], correction)
+        return with_remaining_change(shape, remaining[k])
 
     measurements = {}
     for k, shape in zip(galaxies, executor.map(measure, galaxies), strict=True):
@@ -54,15 +60,30 @@ def _measure(
         fit if fit.snr > 0 else None,
         information_fraction=fraction * weight_correction,
     )
-    if shape.flag is FitFlag.OK:
+    shape = with_significance(
+        shape, state.facet(source), prior.measured, profile, weight_correction
+    )
+    if shape.flag in (FitFlag.OK, FitFlag.UNRESOLVED):
         size = math.exp(prior.log_scale_length)
         if residual_significance(state.residual(source), profile, size) > SIGNIFICANT:
             shape = replace(shape, flag=FitFlag.CONTAMINATED)
+    quality = replace(shape.quality, error_widening=1 / math.sqrt(fraction))
+    shape = replace(shape, quality=quality)
     if neighbours is None:
         return shape
     conditional = neighbours.conditional / weight_correction
     marginal = neighbours.marginal / weight_correction
     return with_neighbours_marginalised(shape, conditional, marginal, neighbours.shift, fraction)
+
+
+def _remaining_changes(state: SkyState, history: History) -> list[RemainingChange]:
+    """Return what another major cycle would change, judging by what the last one changed."""
+    change = history.shrinkage * state.change_since(state.subtracted)
+    further = history.left_to_the_limit
+    return [
+        RemainingChange(float(model), further * (now.ellipticity - before.ellipticity))
+        for model, now, before in zip(change, state.fits, state.subtracted, strict=True)
+    ]
 
 
 def _in_catalogue_flux(

@@ -1,15 +1,18 @@
 """Statistics of all galaxies of a released sky, for estimators of the shear."""
 
-from collections.abc import Callable, Mapping
-
-import numpy as np
+from collections.abc import Callable, Mapping, Sequence
 
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.extraction.extraction import Setting
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.shapes.source_facet import Kept, SourceFacet, noise_named
+from uvshear.shapes.source_facet import Kept, SourceFacet, Statistic, noise_named
+from uvshear.shapes.statistic_flag import StatisticFlag, flag_column
 from uvshear.typing import Array
+
+BYTES_PER_WORKER = 1.5e8
+"""Memory in which the statistics of one source are computed, measured with those of all estimators; what they keep for
+several sources takes another 0.4 GB at most."""
 
 
 def keep_statistics(
@@ -19,26 +22,49 @@ def keep_statistics(
     phase_centre: PhaseCentre,
     on_source: Callable[[], None],
 ) -> Mapping[int, Kept]:
-    """Compute the statistics of every galaxy that has any, by index of the catalogue."""
+    """Compute the statistics of every galaxy, with a flag for each estimator, by index of the catalogue."""
     strength = modelled.strength_at_1_4_ghz
 
     def statistics(k: int) -> Kept:
         seen = _seen(state, modelled, setting, phase_centre, k, float(strength[k]))
-        numbers: dict[str, float | Array] = {}
-        if np.any(seen.facet.power > 0):
-            for statistic in setting.keep:
-                numbers.update(statistic.statistic(seen) or {})
+        numbers: dict[str, float | Array | str] = {}
+        for statistic in setting.keep:
+            numbers |= _numbers(statistic, seen)
         return numbers
 
     kept: dict[int, Kept] = {}
-    galaxies = modelled.galaxies
-    for k, numbers in zip(
-        galaxies, setting.resources.executor.map(statistics, galaxies), strict=True
-    ):
+    galaxies = _by_beam(state, modelled.galaxies)
+    resources = setting.resources
+    workers = min(resources.memory // BYTES_PER_WORKER, resources.executor.workers)
+    executor = resources.executor.at_most(int(workers))
+    for k, numbers in zip(galaxies, executor.map(statistics, galaxies), strict=True):
         on_source()
-        if numbers:
-            kept[int(modelled.field.modelled[k])] = numbers
+        kept[int(modelled.field.modelled[k])] = numbers
     return kept
+
+
+def _numbers(statistic: Statistic, seen: SourceFacet) -> Kept:
+    """Return the numbers of one estimator, and its flag if it has a name."""
+    found = statistic.statistic(seen) if seen.facet.has_power else StatisticFlag.NO_DATA
+    if found is None:
+        found = StatisticFlag.NOT_FITTED
+    numbers: Kept = {} if isinstance(found, StatisticFlag) else found
+    flag = found if isinstance(found, StatisticFlag) else StatisticFlag.OK
+    name = getattr(statistic, "name", "")
+    return {**numbers, flag_column(name): flag.word} if name else numbers
+
+
+def _by_beam(state: SkyState, galaxies: Sequence[int]) -> list[int]:
+    """Sort galaxies so that those with the same cells and the same beam come one after another.
+
+    Estimators keep what they work out for the last few beams only.
+    """
+    cutouts, mixtures = state.interaction.plan.cutouts, state.interaction.beams.mixtures
+
+    def order(k: int) -> tuple[int, float, tuple[int, ...]]:
+        return cutouts[k].size, cutouts[k].longest, mixtures[k].beams
+
+    return sorted(galaxies, key=order)
 
 
 def _seen(
@@ -59,4 +85,6 @@ def _seen(
         profile=setting.model.profile,
         population=setting.model.population,
         draw_noise=noise_named(modelled.field.name(source, phase_centre), len(facet.power)),
+        unit=strength,
+        beam=facet.power,
     )

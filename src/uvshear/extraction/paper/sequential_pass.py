@@ -18,6 +18,7 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.shapes.measurement import GalaxyFit, ShapeMeasurement
 from uvshear.shapes.prior import ShapePrior
 from uvshear.shapes.shape import fit_galaxy, measure_shape
+from uvshear.shapes.significance import with_significance
 from uvshear.typing import Array, Int
 
 FACETS_AT_A_TIME = 64
@@ -124,7 +125,8 @@ class SequentialPass:
     def _measure(self, source: int, facet: Facet, start: GalaxyFit | None) -> ShapeMeasurement:
         prior, profile = self._prior(source), self.setting.model.profile
         correction = float(self.field.weight_correction[source])
-        return measure_shape(facet, prior, profile, start, information_fraction=correction)
+        shape = measure_shape(facet, prior, profile, start, information_fraction=correction)
+        return with_significance(shape, facet, prior, profile, correction)
 
     def _prior(self, source: int) -> ShapePrior:
         model = self.setting.model

@@ -1,0 +1,71 @@
+"""An observation after the first pass over it, with the sources of a catalogue placed in it."""
+
+from dataclasses import dataclass
+from typing import Self
+
+from uvshear.extraction import Field, MeasurementOptions
+from uvshear.galaxy import Galaxies
+from uvshear.interferometer.first_pass import FirstPass, first_pass
+from uvshear.interferometer.uv_range import UvRange
+from uvshear.interferometer.visibilities import Observation
+from uvshear.io.catalogue import Catalogue
+from uvshear.pipeline.data_checks import DataChecks
+from uvshear.pipeline.field import field_of_catalogue
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """What is known before the sources are measured.
+
+    Parameters
+    ----------
+    observation
+        The observation.
+    sources
+        The catalogue.
+    options
+        Options of the measurement.
+    first
+        Results of the first pass.
+    field
+        The sources in the field.
+    checks
+        Comparison of the data with skies.
+    """
+
+    observation: Observation
+    sources: Catalogue
+    options: MeasurementOptions
+    first: FirstPass
+    field: Field
+    checks: DataChecks
+
+    @classmethod
+    def from_observation(
+        cls, observation: Observation, sources: Catalogue, options: MeasurementOptions
+    ) -> Self:
+        """Read an observation once, and place the sources."""
+        model, method, executor = options.model, options.method, options.resources.executor
+        first = first_pass(observation, executor)
+        field = field_of_catalogue(sources, observation.phase_centre, first.summary, model, method)
+        field = method.extraction.within_reach(field)
+        attenuated = method.extraction.models_attenuation
+        checks = DataChecks(observation, first.noise_samples, model, attenuated, executor)
+        return cls(observation, sources, options, first, field, checks)
+
+    def with_noise_of_data(self, sky: Galaxies, uv_range: UvRange) -> Self:
+        """Correct the weights that are to agree with the noise of the data; the same object if nothing is to be done.
+
+        Parameters
+        ----------
+        sky
+            Sky whose residual tells the noise.
+        uv_range
+            Baselines on which the sky describes the data.
+        """
+        if not self.checks.takes_noise_from_data:
+            return self
+        corrected = self.checks.with_noise_of_data(sky, uv_range)
+        if corrected is None:
+            return self
+        return self.from_observation(corrected, self.sources, self.options)

@@ -1,0 +1,48 @@
+"""Visibilities of galaxies at samples that each have a frequency of their own, by the exact sum over sources."""
+
+import numpy as np
+
+from uvshear.execution import SERIAL, Executor
+from uvshear.galaxy import Galaxies, Profile
+from uvshear.interferometer.attenuation import Attenuation
+from uvshear.interferometer.samples import Samples
+from uvshear.predict.direct import sum_of_sources
+from uvshear.typing import Array, Complex, Float
+
+SLAB = 4096
+"""Number of samples in a slab."""
+
+
+def predict_at_samples(
+    galaxies: Galaxies,
+    samples: Samples,
+    profile: Profile,
+    attenuation: Attenuation | None = None,
+    executor: Executor = SERIAL,
+) -> Complex[Array, " sample"]:
+    """Sum the visibilities of all galaxies [Jy], as ``predict_visibilities`` does for rows and channels.
+
+    Parameters
+    ----------
+    samples
+        Samples of the uv plane; their data and weights are not used.
+    attenuation
+        Attenuation by averaging and primary beams; none unless given.
+    """
+
+    def predict(start: int) -> Complex[Array, " slab"]:
+        part = samples.select(slice(start, start + SLAB))
+        ratio = part.frequency / galaxies.reference_frequency
+        powers = {index: ratio**index for index in set(galaxies.spectral_index.tolist())}
+
+        def factor(source: int) -> Float[Array, " slab"]:
+            own = powers[float(galaxies.spectral_index[source])]
+            if attenuation is None:
+                return own
+            place = float(galaxies.l[source]), float(galaxies.m[source])
+            return own * attenuation.factor(part, *place)
+
+        return sum_of_sources(galaxies, part.uvw, profile, factor)
+
+    parts = list(executor.map(predict, range(0, len(samples), SLAB)))
+    return np.concatenate(parts) if parts else np.zeros(0, complex)

@@ -1,0 +1,42 @@
+"""The size of the tiles."""
+
+import numpy as np
+
+from tests.extraction.converged.test_tile_filters import _probes
+from tests.skies import galaxies
+from uvshear.extraction.converged.plan import FacetRequests
+from uvshear.extraction.converged.tile_sizes import cheapest_core, work_of
+from uvshear.imaging.tiles import CORE, Tile
+from uvshear.interferometer.attenuation import BandwidthSmearing
+from uvshear.interferometer.summary import ObservationSummary
+from uvshear.predict.response import Response
+
+LONGEST = 1.5e5
+COUNT = 25
+
+
+def _core(attenuation, samples):
+    rng = np.random.default_rng(3)
+    l, m = rng.uniform(-3e-3, 3e-3, (2, COUNT))
+    sky = galaxies(l, m, np.ones(COUNT))
+    probes = _probes()
+    requests = FacetRequests(l, m, np.full(COUNT, 2e-4), np.full(COUNT, LONGEST))
+    summary = ObservationSummary(samples, samples, LONGEST, 1.5e9, 1.3e9, 1.0, probes)
+    response = Response.from_sky(sky, probes, attenuation)
+    return cheapest_core(requests, (0.0, LONGEST, LONGEST), sky, response, summary)
+
+
+def test_tiles_are_large_where_sources_have_one_factor():
+    assert _core(None, 10**5) == CORE
+
+
+def test_tiles_are_small_where_factors_vary_fast_and_samples_are_few():
+    small = _core(BandwidthSmearing(), 10**5)
+    assert small <= CORE // 4
+    assert _core(BandwidthSmearing(), 10**8) >= small
+
+
+def test_work_grows_with_samples_and_pixels():
+    small, large = (Tile(0, (0, 0), size, np.zeros(1, int), -1) for size in (100, 1000))
+    assert work_of(0, large) == 100 * work_of(0, small)
+    assert work_of(2000, small) > work_of(1000, small)

@@ -1,0 +1,77 @@
+"""The outcome of a measurement in words."""
+
+import re
+
+import numpy as np
+import pytest
+from astropy import units
+from astropy.table import Table
+
+from uvshear.errors import InputError
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.io.catalogue import Catalogue
+from uvshear.pipeline.outcome import check_field, tally, why_none_was_measured
+from uvshear.shapes.measurement import FitFlag
+
+CENTRE = PhaseCentre(np.radians(150.0), np.radians(2.0))
+
+
+def _catalogue(ra_deg, dec_deg):
+    count = len(ra_deg)
+    return Catalogue(
+        identifier=np.arange(count),
+        flux=np.full(count, 1e-4),
+        spectral_index=np.full(count, -0.7),
+        ra=np.radians(ra_deg),
+        dec=np.radians(dec_deg),
+    )
+
+
+def _shapes(flags, flux=20.0, flux_fit=20.0):
+    count = len(flags)
+    return Table(
+        {
+            "flag": flags,
+            "flux": np.full(count, flux) * units.uJy,
+            "flux_fit": np.full(count, flux_fit) * units.uJy,
+        }
+    )
+
+
+def test_flags_are_counted_the_most_frequent_first():
+    flags = ["ok", "duplicate", "no_peak", "no_peak", "ok"]
+    assert tally(_shapes(flags)) == "2 of 5 sources measured; 2 no_peak, 1 duplicate"
+    assert tally(_shapes(["ok"])) == "1 of 1 sources measured"
+
+
+def test_a_catalogue_of_another_field_is_refused_with_the_distance():
+    sources = _catalogue([190.0, 192.0], [2.0, 2.0])
+    flags = np.array([FitFlag.OUTSIDE_FIELD] * 2)
+    with pytest.raises(InputError, match="the nearest is 40 degrees from the phase centre"):
+        check_field(sources, CENTRE, flags)
+    check_field(sources, CENTRE, np.array([FitFlag.OUTSIDE_FIELD, FitFlag.OK]))
+
+
+def test_right_ascensions_in_hours_are_recognised():
+    sources = _catalogue([10.001, 9.999], [2.0, 2.01])
+    flags = np.array([FitFlag.BELOW_HORIZON, FitFlag.BELOW_HORIZON])
+    with pytest.raises(InputError, match="seem to be in hours"):
+        check_field(sources, CENTRE, flags)
+
+
+@pytest.mark.parametrize(
+    ("flags", "flux_fit", "cause"),
+    [
+        (["ok", "no_peak"], 20.0, None),
+        (["point_source", "point_source"], 20.0, None),
+        (["no_peak", "no_peak", "not_detected"], 20.0, "most sources have the flag no_peak"),
+        (["not_detected", "not_detected"], 2e-5, "about 1e.06 times those in the data"),
+        (["unresolved", "not_converged"], 2e6, "about 1e-05 times those in the data"),
+    ],
+)
+def test_the_likely_cause_is_named(flags, flux_fit, cause):
+    found = why_none_was_measured(_shapes(flags, flux_fit=flux_fit))
+    if cause is None:
+        assert found is None
+    else:
+        assert re.search(cause, found)
