@@ -20,8 +20,13 @@ wildly = settings(
 ERRORS = ("e1_err", "e2_err", "e_sigma", "scale_length_err", "flux_fit_err", "snr", "weight")
 
 
+NOT_KNOWN_TO_ALL = {"neighbour_distance", "error_widening", "remaining_change"}
+"""Columns without a value where there is one source, or where an extraction does not compute them."""
+
+
 def assert_honest(shapes):
     numbers = [name for name in shapes.colnames if shapes[name].dtype.kind == "f"]
+    numbers = [name for name in numbers if name not in NOT_KNOWN_TO_ALL]
     is_ok = np.asarray(shapes["flag"]) == "ok"
     for name in numbers:
         assert np.isfinite(np.asarray(shapes[name])[is_ok]).all(), name
@@ -44,7 +49,7 @@ def measured(seen, sources, method, model):
     return None
 
 
-@settings(wildly, max_examples=24)
+@settings(wildly, max_examples=18)
 @given(wild_sets, wild_catalogues)
 def test_the_converged_extraction_returns_nothing_that_is_not_so(of_set, of_catalogue):
     model = Model(size=CatalogueSize()) if len(of_set) == 1 else Model()
@@ -53,7 +58,7 @@ def test_the_converged_extraction_returns_nothing_that_is_not_so(of_set, of_cata
         assert_honest(shapes)
 
 
-@settings(wildly, max_examples=14)
+@settings(wildly, max_examples=12)
 @given(wild_sets, wild_catalogues)
 def test_the_papers_extraction_returns_nothing_that_is_not_so(of_set, of_catalogue):
     method = Method(extraction=PaperExtraction())

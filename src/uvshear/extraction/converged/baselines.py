@@ -1,7 +1,7 @@
 """The baselines that are used for the measurement of a field."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,12 +38,16 @@ class Baselines:
         and for sources far from the phase centre, which see longer baselines than the phase centre does.
     uv_max
         Longest baseline that carries information on each source.
+    limit
+        Baseline below which the others could be left out by the sizes of the galaxies; 0 unless they are used for what
+        they tell of fluxes and sizes.
     """
 
     shortest: float
     longest: float
     finest: float
     uv_max: Float[Array, " source"]
+    limit: float = 0.0
 
     @classmethod
     def from_field(
@@ -70,6 +74,7 @@ class Baselines:
         finest = min(float(informative.max()) * (1 + 1e-9), 2 * longest)
         slope = steepest(field.l[members], field.m[members])
         stretched = stretch(used_baselines(field, longest), slope, longest) / NEGLIGIBLE
+        kept = 0.0
         if shortest is None:
             shortest = 0.0
             if is_galaxy.any():
@@ -78,12 +83,19 @@ class Baselines:
                 typical, profile = _typical_galaxies(field, is_galaxy), profile or Exponential()
                 if are_dispensable(field, typical, profile, limit, longest):
                     shortest = limit
+                else:
+                    kept = limit
         return cls(
             shortest=max(shortest, field.uv_range.minimum),
             longest=longest,
             finest=max(finest, longest * stretched),
             uv_max=used,
+            limit=kept,
         )
+
+    def without_short_ones(self) -> "Baselines":
+        """Leave out the baselines below the limit after all."""
+        return replace(self, shortest=max(self.shortest, self.limit), limit=0.0)
 
 
 def _typical_galaxies(field: Field, is_galaxy: Bool[Array, " source"]) -> tuple[Typical, Typical]:
