@@ -49,7 +49,7 @@ def measured(seen, sources, method, model):
     return None
 
 
-@settings(wildly, max_examples=18)
+@settings(wildly, max_examples=14)
 @given(wild_sets, wild_catalogues)
 def test_the_converged_extraction_returns_nothing_that_is_not_so(of_set, of_catalogue):
     model = Model(size=CatalogueSize()) if len(of_set) == 1 else Model()
@@ -58,7 +58,7 @@ def test_the_converged_extraction_returns_nothing_that_is_not_so(of_set, of_cata
         assert_honest(shapes)
 
 
-@settings(wildly, max_examples=12)
+@settings(wildly, max_examples=10)
 @given(wild_sets, wild_catalogues)
 def test_the_papers_extraction_returns_nothing_that_is_not_so(of_set, of_catalogue):
     method = Method(extraction=PaperExtraction())
