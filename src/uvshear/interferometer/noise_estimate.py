@@ -164,7 +164,7 @@ def estimate_noise(
     if not unlike:
         return found
     least = _least(found.smallest, across.smallest)
-    contradicting = max(unlike, key=lambda scatter: abs(math.log(scatter.ratio / least.ratio)))
+    contradicting = max(unlike, key=lambda scatter: abs(scatter.ratio - least.ratio))
     return NoiseEstimate(least, is_certain=False, contradicting=contradicting)
 
 
