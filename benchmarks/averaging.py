@@ -38,9 +38,9 @@ HALF = 10 * ARCMIN
 LAYOUT = load_layout("vla-a")
 DIAMETER = 95.0
 """Diameter of dishes whose power beam falls to 20 per cent at the edge of the field [m]."""
-HOURS = np.radians(15) * np.array([-3.0, -1.0, 1.0, 3.0])
-LENGTH = 0.1 * np.radians(15)
-"""Hour angles in the middle of the four parts of the observation, and the length of each."""
+HOURS = np.radians(15) * np.linspace(-3.5, 3.5, 16)
+LENGTH = 0.025 * np.radians(15)
+"""Hour angles in the middle of the parts of the observation, and the length of each."""
 
 
 @dataclass(frozen=True)

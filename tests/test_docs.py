@@ -140,7 +140,8 @@ def test_the_page_of_files_lists_every_column_of_a_catalogue():
         for row in re.findall(r"^\| (`.*?) \|", catalogues, flags=re.M)
         for name in re.findall(r"`(\w+)`", row)
     }
-    numbers, words = dict.fromkeys(listed, 0.1), {"id": "a", "profile": "galaxy"}
+    numbers = dict.fromkeys(listed, 0.1) | {"reference_frequency": 1e9}
+    words = {"id": "a", "profile": "galaxy"}
     table = Table({name: [words.get(name, numbers[name])] for name in listed})
     table["flux"].unit = "Jy"
     for name in ("ra_err", "dec_err", "flux_err"):
@@ -152,4 +153,4 @@ def test_the_page_of_files_lists_every_column_of_a_catalogue():
     assert known.flux_err is not None
     assert known.scale_length is not None
     assert known.is_point is not None
-    assert known.reference_frequency == 0.1
+    assert known.reference_frequency == 1e9

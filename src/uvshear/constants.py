@@ -20,3 +20,6 @@ REFERENCE_FREQUENCY: Final = 1.4e9
 
 SPECTRAL_INDEX: Final = -0.7
 """Synchrotron spectral index assumed unless the catalogue says otherwise (Rivi & Miller 2018, eq. 1)."""
+
+RADIO_FREQUENCIES = (1e5, 1e14)
+"""Lowest and highest frequency that is believed [Hz]; radio telescopes observe from 1e7 to 2e12 Hz."""

@@ -67,6 +67,17 @@ def test_noise_does_not_tell():
     assert significance(nobody, NEAR, noise=1e-3) is None
 
 
+@pytest.mark.parametrize("factor", [-100.0, -0.01])
+def test_a_correlation_of_another_strength_is_not_the_sky_of_the_catalogue(factor):
+    """As from a sidelobe of the beam: certain, but not of the catalogue's fluxes."""
+    vis = factor * predict_visibilities(NEAR, UVW, L_BAND)
+    block = Visibilities(UVW, L_BAND, vis, np.ones(vis.shape))
+    samples = Samples.from_visibilities(block, 0.0, np.inf)
+    model = predict_at_samples(NEAR, samples, Exponential())
+    assert opposite_sign_significance(samples, model) is None
+    assert opposite_sign_significance(samples, model * -factor) > 20
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_bright_source_that_the_catalogue_lacks_does_not_alarm(sign):
     for l, m in ((-1.0, -2.0), (4.0, 1.0), (-1.1, -1.9)):

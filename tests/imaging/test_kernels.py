@@ -20,8 +20,9 @@ def test_a_source_at_the_new_phase_centre_has_no_phase():
 
 def test_baselines_of_the_tangent_plane_and_the_phase_there():
     baselines, (real, imaginary) = np.empty((50, 3)), np.empty((2, 50))
-    kernels.to_tangent_plane(UVW, (L, M, N1), baselines, real, imaginary)
+    surface = (L / (1 + N1), M / (1 + N1), 1.25)
+    kernels.to_tangent_plane(UVW, (L, M, N1), surface, baselines, real, imaginary)
     u, v, w = UVW.T
-    expected = np.column_stack([u - w * L / (1 + N1), v - w * M / (1 + N1), w])
+    expected = np.column_stack([u - w * L / (1 + N1), v - w * M / (1 + N1), 1.25 * w])
     np.testing.assert_allclose(baselines, expected, rtol=1e-12)
     np.testing.assert_allclose(real + 1j * imaginary, np.exp(2j * np.pi * TURNS), atol=1e-9)

@@ -23,13 +23,26 @@ CORE = 300
 footprints = st.builds(
     _footprint, st.integers(0, 999), st.integers(1, 40), st.sampled_from([0.0, 50.0, 900.0, 2500.0])
 )
+limits = st.one_of(
+    st.none(),
+    st.lists(st.sampled_from([20.0, 70.0, 400.0, np.inf]), min_size=4, max_size=4).map(
+        lambda pixels: [half * PIXEL for half in pixels]
+    ),
+)
+"""Half of the widths that the tiles of four bands may have."""
+
+
+def _plan(footprint, bands, limit):
+    return plan_tiles(footprint, PIXEL, bands, CORE, limit and limit[:bands])
+
+
 quickly = settings(deadline=None, max_examples=25)
 
 
 @quickly
-@given(footprints, st.integers(1, 4))
-def test_every_source_is_in_exactly_one_tile_of_each_band(footprint, bands):
-    plan = plan_tiles(footprint, PIXEL, bands, CORE)
+@given(footprints, st.integers(1, 4), limits)
+def test_every_source_is_in_exactly_one_tile_of_each_band(footprint, bands, limit):
+    plan = _plan(footprint, bands, limit)
     assert len(plan) == bands
     for tiles in plan:
         members = np.concatenate([tile.members for tile in tiles])
@@ -38,9 +51,9 @@ def test_every_source_is_in_exactly_one_tile_of_each_band(footprint, bands):
 
 
 @quickly
-@given(footprints, st.integers(1, 4))
-def test_every_facet_is_inside_its_tile_in_every_band(footprint, bands):
-    for band, tiles in enumerate(plan_tiles(footprint, PIXEL, bands, CORE)):
+@given(footprints, st.integers(1, 4), limits)
+def test_every_facet_is_inside_its_tile_in_every_band(footprint, bands, limit):
+    for band, tiles in enumerate(_plan(footprint, bands, limit)):
         step = PIXEL * 2**band
         for tile in tiles:
             half = footprint.half_width[tile.members]
@@ -51,9 +64,11 @@ def test_every_facet_is_inside_its_tile_in_every_band(footprint, bands):
 
 
 @quickly
-@given(footprints, st.integers(2, 4))
-def test_a_parent_covers_its_children_and_what_interpolation_reaches_beyond(footprint, bands):
-    plan = plan_tiles(footprint, PIXEL, bands, CORE)
+@given(footprints, st.integers(2, 4), limits)
+def test_a_parent_covers_its_children_and_what_interpolation_reaches_beyond(
+    footprint, bands, limit
+):
+    plan = _plan(footprint, bands, limit)
     assert all(tile.parent == -1 for tile in plan[-1])
     for fine, coarse in pairwise(plan):
         for tile in fine:
@@ -98,6 +113,21 @@ def test_a_tile_is_no_wider_than_its_core_with_the_facets_at_its_edges(footprint
         for x in (footprint.l, footprint.m):
             assert np.ptp(x[tile.members]) <= 300.0001 * PIXEL
         assert tile.size <= 300 + 60 + 8
+
+
+@quickly
+@given(footprints, st.integers(1, 4), limits.filter(bool))
+def test_no_tile_is_wider_than_the_limit_of_its_band(footprint, bands, limit):
+    for band, tiles in enumerate(_plan(footprint, bands, limit)):
+        for tile in tiles:
+            for x in (footprint.l, footprint.m):
+                assert np.ptp(x[tile.members]) <= 2.0001 * limit[band]
+
+
+def test_the_sources_of_a_tile_are_about_its_centre():
+    l, m = np.array([-140.0, 0.0, 140.0]) * PIXEL, np.full(3, 5000.0) * PIXEL
+    ((tile,),) = plan_tiles(Footprint(l, m, np.full(3, 10 * PIXEL)), PIXEL, 1)
+    np.testing.assert_allclose(tile.centre(PIXEL), (l[1], m[1]), atol=2 * PIXEL)
 
 
 def test_only_places_with_sources_have_tiles():

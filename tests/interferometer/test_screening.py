@@ -10,7 +10,8 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.count_samples import SampleCountsAccumulator
 from uvshear.interferometer.sample_counts import SampleCounts
-from uvshear.interferometer.screening import screened
+from uvshear.interferometer.screening import screened, screened_chunks
+from uvshear.interferometer.summary import SummaryAccumulator
 from uvshear.interferometer.visibilities import Integrations, Visibilities, VisibilitySet
 
 ROWS, CHANNELS = 6, 3
@@ -78,6 +79,88 @@ def test_a_row_that_cannot_be_right_is_left_out_and_counted(name, value, reason)
     assert np.isfinite(seen.integrations.time).all()
     assert np.isfinite(seen.integrations.interval).all()
     assert np.abs(seen.uvw).max() < 1e4
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("frequency", 0.0),
+        ("frequency", -1e9),
+        ("frequency", np.nan),
+        ("frequency", 1e20),
+        ("width", -1e6),
+        ("width", np.inf),
+    ],
+)
+def test_a_channel_that_cannot_be_right_is_left_out_and_counted(name, value):
+    good = replace(_good(), width=np.full(CHANNELS, 1e6))
+    values = getattr(good, name).copy()
+    values[1] = value
+    seen = screened(replace(good, **{name: values}))
+    assert seen.counts == SampleCounts(rows=6, samples=18, usable=12, impossible_channels=6)
+    np.testing.assert_array_equal(seen.weights > 0, np.tile([True, False, True], (ROWS, 1)))
+    assert ((seen.frequency >= 1e9) & (seen.frequency <= 1.1e9)).all()
+    assert ((seen.width >= 0) & (seen.width <= 1e6)).all()
+    (summary,) = accumulate(VisibilitySet(PhaseCentre(0.0, 0.0), (seen,)), [SummaryAccumulator()])
+    assert (summary.lowest_frequency, summary.frequency) == (1e9, 1.1e9)
+
+
+def test_without_a_channel_nothing_is_left():
+    seen = screened(replace(_good(), frequency=np.full(CHANNELS, np.nan)))
+    assert seen.counts == SampleCounts(rows=6, samples=18, usable=0, impossible_channels=18)
+    assert (seen.frequency > 0).all()
+
+
+def _many(weights):
+    """The good rows again and again, with these weights."""
+    good = _good()
+    times = len(weights) // (ROWS * CHANNELS)
+    return Visibilities(
+        np.tile(good.uvw, (times, 1)),
+        good.frequency,
+        np.tile(good.stokes_i, (times, 1)) * np.complex64(1e-4),
+        weights.reshape(-1, CHANNELS).astype(np.float32),
+    )
+
+
+def test_few_weights_that_dwarf_all_others_are_left_out_and_counted():
+    weights = np.full(1800, 1e8)
+    weights[[7, 500]] = 1.1e14
+    weights[600] = 0.9e14
+    seen = screened(_many(weights))
+    assert seen.counts == SampleCounts(rows=600, samples=1800, usable=1798, impossible_weights=2)
+    assert not seen.weights.ravel()[[7, 500]].any()
+
+
+@pytest.mark.parametrize("part", [0.02, 0.5, 0.9])
+def test_weights_that_many_samples_have_stay_however_small_the_others_are(part):
+    weights = np.full(1800, 1e-2)
+    weights[: int(1800 * part)] = 1e8
+    assert screened(_many(weights)).counts.usable == 1800
+
+
+def test_weights_that_were_changed_after_the_screening_are_not_screened_again():
+    seen = screened(_good())
+    tapered = seen.weights.copy()
+    tapered[1:] = 1e-30
+    again = replace(seen, weights=tapered)
+    assert screened(again) is again
+
+
+def test_the_length_of_the_array_limits_the_baselines():
+    good = _good()
+    second, longest = np.sort(np.linalg.norm(good.uvw, axis=1))[-2:].tolist()
+    for limit, expected in ((longest, 0), ((second + longest) / 2, CHANNELS)):
+        seen = screened(replace(good, longest_baseline=limit))
+        assert seen.counts.impossible_uvw == expected
+
+
+def test_chunks_can_be_read_without_the_samples_that_cannot_be_right():
+    observation = VisibilitySet(PhaseCentre(0.0, 0.0), (_with(_good(), "uvw", 0, np.nan), _good()))
+    first, second = screened_chunks(observation)
+    assert (first.weights[0] == 0).all()
+    assert np.isfinite(first.uvw).all()
+    assert (second.weights > 0).all()
 
 
 def test_each_sample_counts_once():

@@ -200,6 +200,11 @@ def _wrong(message: str, **columns: object) -> object:
         _wrong("column 'profile' has 'square'", profile=["point", "square", ""]),
         _wrong("column 'scale_length' is -.* for id 8", scale_length=[1.0, -1, 1]),
         _wrong("column 'spectral_index' is nan for id 8", spectral_index=[1.0, math.nan, 1]),
+        _wrong("column 'flux' is 1e.30 for id 8; less than", flux=[1.0, 1e30, 1] * units.Jy),
+        _wrong("column 'scale_length' is .* for id 9; a size below", scale_length=[1.0, 1, 1e9]),
+        _wrong(
+            "column 'spectral_index' is 1e.05 for id 7; -100 to 100", spectral_index=[1e5, 0, 0]
+        ),
         _wrong("column 'ra' holds text", ra=["here", "there", "near"]),
         _wrong("column 'ra' holds arrays", ra=np.zeros((3, 2))),
     ],
@@ -240,7 +245,7 @@ def test_an_empty_catalogue_is_refused() -> None:
         catalogue_from_table(_table()[:0])
 
 
-@pytest.mark.parametrize("stated", ["fast", -1.0, math.nan])
+@pytest.mark.parametrize("stated", ["fast", -1.0, 0.0, 1.4, 1e30, math.nan])
 def test_a_wrong_reference_frequency_is_refused(stated: object) -> None:
     table = _table()
     table.meta["reference_frequency"] = stated

@@ -2,16 +2,19 @@
 
 import pickle
 import resource
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from casacore import tables
 
 from tests.io.measurement_sets import PHASE_CENTRE, change, real_set, simulated, written
+from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.errors import InputError
 from uvshear.interferometer.accumulate import accumulate, show
 from uvshear.interferometer.count_samples import SampleCountsAccumulator
 from uvshear.interferometer.stokes import Hands
+from uvshear.interferometer.summary import SummaryAccumulator
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.measurement_set import MeasurementSet
 from uvshear.io.measurement_set_writer import write_measurement_set
@@ -347,11 +350,23 @@ def test_a_real_meerkat_set_is_read_once_unflagged(tmp_path):
 
 def test_a_row_without_uvw_is_left_out_and_counted(tmp_path):
     path = written(tmp_path)
+    expected = counts(MeasurementSet(path))
     change(path, "UVW", np.nan, rows=[5])
-    observation = MeasurementSet(path)
-    for chunk in observation.chunks():
-        assert np.isfinite(chunk.uvw).all()
-    assert counts(observation).non_finite == 4
+    assert counts(MeasurementSet(path)) == replace(
+        expected, usable=expected.usable - 4, impossible_uvw=4
+    )
+
+
+def test_a_row_longer_than_the_array_is_left_out_and_counted(tmp_path):
+    path = written(tmp_path)
+    expected = counts(MeasurementSet(path))
+    lengths = np.linalg.norm(np.concatenate([c.uvw for c in MeasurementSet(path).chunks()]), axis=1)
+    for times, others in ((0.999, 0), (1.05, 4)):
+        change(path, "UVW", [0, times * lengths.max(), 0], rows=[5])
+        assert counts(MeasurementSet(path)).impossible_uvw == others
+    (summary,) = accumulate(MeasurementSet(path), [SummaryAccumulator()])
+    assert summary.samples == expected.usable - 4
+    assert summary.longest <= lengths.max() * summary.frequency / SPEED_OF_LIGHT
 
 
 def test_flags_can_be_left_unheeded(tmp_path):

@@ -22,6 +22,23 @@ def test_a_simulated_set_agrees(tmp_path):
     assert _agrees(written(tmp_path)) is True
 
 
+def test_rows_without_a_time_or_a_known_antenna_are_not_compared(tmp_path):
+    path = written(tmp_path)
+    for column, value, rows in (
+        ("TIME", np.inf, slice(0, 500)),
+        ("ANTENNA1", 99, slice(500, 800)),
+        ("ANTENNA2", -1, slice(800, 1000)),
+        ("UVW", -np.inf, slice(1000, 1200)),
+        ("UVW", 1e300, slice(1200, 1300)),
+    ):
+        change(path, column, value, rows=rows)
+    assert _agrees(path) is True
+    change(path, "POSITION", np.inf, subtable="ANTENNA")
+    assert _agrees(path) is None
+    change(path, "TIME", np.nan)
+    assert _agrees(path) is None
+
+
 def test_reversed_baselines_are_found(tmp_path):
     path = written(tmp_path)
     _with_uvw(path, np.negative)

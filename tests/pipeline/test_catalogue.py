@@ -1,5 +1,7 @@
 """A catalogue from any form in which it may be given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from astropy import units
@@ -29,3 +31,22 @@ def test_a_flux_without_a_unit_is_refused(table):
     table["flux"].unit = None
     with pytest.raises(InputError, match="flux"):
         catalogue_of(table)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("flux", np.nan),
+        ("flux", -1.0),
+        ("l", 2.0),
+        ("m", np.inf),
+        ("spectral_index", np.nan),
+        ("scale_length", -1.0),
+    ],
+)
+def test_a_catalogue_in_memory_is_checked_as_a_table_is(table, name, value):
+    found = catalogue_of(table)
+    values = np.zeros(2) if getattr(found, name) is None else getattr(found, name).copy()
+    values[1] = value
+    with pytest.raises(InputError, match=name):
+        catalogue_of(replace(found, **{name: values}))

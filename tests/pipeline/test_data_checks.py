@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from tests.interferometer.chunks import CENTRE, chunk
 from tests.pipeline.fields import METHOD, MODEL, catalogue_of_sky
 from tests.pipeline.simulated_sets import changed, simulated_set, sky_of
 from uvshear.errors import DataWarning
@@ -92,6 +93,17 @@ def test_scaled_parts_are_corrected_by_the_residual_and_others_are_left():
     assert checks_of(joint).with_noise_of_data(sky_of(20.0), UvRange()) is None
     assert checks_of(joint).noise_warnings(sky_of(20.0), UvRange()) == ()
     assert not checks_of(first).takes_noise_from_data
+
+
+def test_a_noise_that_sky_has_made_too_large_is_corrected_where_channels_bear_out_the_weights():
+    """The scaled weights agree with the residual, in which a source is left; those that came do with its channels."""
+    seen = chunk(1, integrations=300)
+    varying = 30 * np.exp(2j * np.pi * np.random.default_rng(1).uniform(size=(len(seen), 1)))
+    observation = VisibilitySet(CENTRE, (seen.with_stokes_i(seen.stokes_i + varying),))
+    # The residual shows 28.5 times the noise that the weights imply, its differences in time 26.5, in frequency 0.99.
+    checks = checks_of(ScaledObservation(observation, 27.2))
+    better = checks.with_noise_of_data(replace(sky_of(20.0), flux=np.zeros(4)), UvRange())
+    assert better.noise == pytest.approx(1.0, abs=0.04)
 
 
 def signs(observation, sky):

@@ -8,6 +8,7 @@ import pytest
 from tests.pipeline.fields import METHOD, MODEL
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
+from uvshear.extraction import Model
 from uvshear.interferometer.primary_beam import AiryBeam
 from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.uv_range import UvRange
@@ -76,3 +77,32 @@ def test_a_source_that_the_dishes_do_not_see_is_outside_the_field(field, summary
 def test_a_range_without_baselines_is_refused(field, summary):
     with pytest.raises(InputError, match=r"--uv-min 1e\+09 \(uv_range=\): the longest baseline"):
         _field(field, summary, method=replace(METHOD, uv_range=UvRange(1e9)))
+
+
+@pytest.mark.parametrize("index", [-100.0, -6.0, -4.0, 4.0, 12.0, 100.0])
+def test_a_wild_spectrum_gives_no_wild_size(field, summary, index):
+    """Fluxes at 150 MHz, with indices that fits to a few channels give, are ten times from 1.4 GHz."""
+    catalogue = replace(
+        field.catalogue,
+        scale_length=None,
+        spectral_index=np.full(len(field.catalogue), index),
+        reference_frequency=1.3e9,
+    )
+    found = _field(field, summary, catalogue, Model())
+    usual = _field(
+        field,
+        summary,
+        replace(catalogue, spectral_index=np.full(len(catalogue), np.sign(index) * 4)),
+        Model(),
+    )
+    within = np.abs(index) <= 4
+    assert within or np.array_equal(found.size.log_median, usual.size.log_median)
+    assert np.all(np.exp(found.size.log_median) < 60 * ARCSEC)
+
+
+def test_a_spectrum_that_gives_an_absurd_flux_in_the_band_is_refused(field, summary):
+    index = np.full(len(field.catalogue), -0.7)
+    index[3] = -60.0
+    wild = replace(field.catalogue, spectral_index=index, reference_frequency=1e9)
+    with pytest.raises(InputError, match=r"id s3: with the spectral index -60, .* is 1e-10 times"):
+        _field(field, summary, wild)

@@ -15,7 +15,14 @@ from uvshear.constants import ARCSEC, SPEED_OF_LIGHT
 from uvshear.errors import InputError
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.imaging import ImageGrid
-from uvshear.imaging.bands import OVERSAMPLING, octaves
+from uvshear.imaging.bands import (
+    OVERSAMPLING,
+    longest_seen,
+    numbers_of_bands,
+    octaves,
+    steepest,
+)
+from uvshear.imaging.curvature import half_widths_of_bands
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.imaging.tiles import Footprint, plan_tiles
 from uvshear.interferometer.accumulate import accumulate
@@ -306,14 +313,19 @@ def _tiled(sky: ModelledSky, shortest: float, longest: float, gridding: Gridding
     footprint = Footprint(sky.galaxies.l, sky.galaxies.m, sky.half_width)
     lm = np.column_stack([footprint.l, footprint.m])
     span = float(np.ptp(lm, axis=0).max()) + 2 * float(sky.half_width.max())
-    bands = octaves(shortest, longest, span)
-    tiles = plan_tiles(footprint, bands[0].pixel, len(bands))
+    slope, radius = steepest(*lm.T), float(np.hypot(*lm.T).max())
+    probes = sky.response.probes
+    some = np.zeros((0, 3)) if probes is None else probes.uvw[probes.uv_distance < longest]
+    seen = longest_seen(some, slope)
+    bands = octaves(shortest, float(seen.max(initial=longest)), span)
+    limits = half_widths_of_bands(some, numbers_of_bands(bands, seen), len(bands), radius)
+    tiles = plan_tiles(footprint, bands[0].pixel, len(bands), half_widths=limits)
 
     def predict(samples: Samples) -> Complex[Array, " sample"]:
         model = np.zeros(len(samples), np.complex64)
-        distance = samples.uv_distance
-        for band, on_it in zip(bands, tiles, strict=True):
-            chosen = np.flatnonzero(band.holds(distance))
+        number = numbers_of_bands(bands, longest_seen(samples.uvw, slope))
+        for b, (band, on_it) in enumerate(zip(bands, tiles, strict=True)):
+            chosen = np.flatnonzero(number == b)
             if len(chosen):
                 part = samples.select(chosen)
                 model[chosen] = predict_samples(part, on_it, band, sky, gridding)

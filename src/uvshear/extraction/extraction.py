@@ -72,6 +72,10 @@ class Extraction(ABC):
     keeps_statistics: ClassVar[bool] = False
     """Whether the extraction can keep statistics for estimators of the shear."""
 
+    def within_reach(self, field: Field) -> Field:
+        """Return the field with a flag for sources that the algorithm cannot model; all can be unless overridden."""
+        return field
+
     @abstractmethod
     def extract(
         self,

@@ -1,6 +1,7 @@
 """The sources of a catalogue, prepared for a measurement."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from uvshear.interferometer.summary import ObservationSummary
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.prior import ShapePrior
-from uvshear.typing import Array, Float, Int, Shaped
+from uvshear.typing import Array, Bool, Float, Int, Shaped
 
 _NANORADIAN = 1e-9
 
@@ -58,6 +59,20 @@ class Field:
     def measured(self) -> Int[Array, " member"]:
         """Sources to be fitted, as indices of the catalogue."""
         return np.flatnonzero(self.flags == FitFlag.OK)
+
+    def without(self, left_out: Bool[Array, " member"], flag: FitFlag) -> Self:
+        """Return the field without some of its modelled sources, which get a flag."""
+        members = self.modelled[left_out]
+        if len(members) == 0:
+            return self
+        flags, flux = self.flags.copy(), self.sky.flux.copy()
+        flags[members], flux[members] = flag, 0.0
+        return replace(
+            self,
+            flags=flags,
+            sky=replace(self.sky, flux=flux),
+            modelled=self.modelled[~left_out],
+        )
 
     def name(self, source: int, centre: PhaseCentre) -> tuple[int, ...]:
         """Return numbers that identify a source among those of all fields: directions in nanoradians."""

@@ -15,18 +15,19 @@ def rotate_phase(uvw, per_metre, lmn1, vis, rotated):  # type: ignore[no-untyped
 
 
 @compiled
-def to_tangent_plane(uvw, lmn1, baselines, real, imaginary):  # type: ignore[no-untyped-def]
+def to_tangent_plane(uvw, lmn1, surface, baselines, real, imaginary):  # type: ignore[no-untyped-def]
     """Write the baselines [wavelengths] of the plane tangent at a direction, and the phase there.
 
-    These are (u - w l/n, v - w m/n, w) and exp(2 pi i (u l + v m + w (n-1))).
+    These are (u - w l/n, v - w m/n, c w) and exp(2 pi i (u l + v m + w (n-1))), with (l/n, m/n, c) the slopes and the
+    mean curvature of n.
     """
     l, m, n1 = lmn1
-    slope_l, slope_m = l / (1 + n1), m / (1 + n1)
+    slope_l, slope_m, curvature = surface
     for i in range(real.size):
         u, v, w = uvw[i, 0], uvw[i, 1], uvw[i, 2]
         baselines[i, 0] = u - w * slope_l
         baselines[i, 1] = v - w * slope_m
-        baselines[i, 2] = w
+        baselines[i, 2] = curvature * w
         sine, cosine = sine_cosine_of_turns(u * l + v * m + w * n1)
         real[i] = cosine
         imaginary[i] = sine

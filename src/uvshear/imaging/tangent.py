@@ -8,6 +8,7 @@ import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.geometry.directions import n_minus_one
+from uvshear.imaging.curvature import mean_curvature, touching_point
 from uvshear.imaging.grid import ImageGrid
 from uvshear.imaging.gridder import degrid, grid
 from uvshear.imaging.kernels import to_tangent_plane
@@ -24,14 +25,14 @@ IN_WAVELENGTHS = np.array([SPEED_OF_LIGHT])
 class TangentPlane:
     r"""Baselines as seen from a direction (l, m), and the phase of a source there.
 
-    With x the distance from (l, m), w (n - 1) = w (n_0 - 1) - w (l x_l + m x_m)/n_0 - w x^2/2 + ...: the first term
-    is a phase, the second is a shift of (u, v), and the gridder's w-planes take the third into account. The remainder
-    is w x^2/2 times about l^2 + m^2, which is 1e-4 turns in the corner of a tile at 0.7 deg for w = 3e5.
+    With x the distance from (l, m), w (n - 1) = w (n_0 - 1) - w (l x_l + m x_m)/n_0 - w c x^2/2 + ...: the first term
+    is a phase, the second is a shift of (u, v), and the gridder's w-planes take the third into account, in which c is
+    the mean curvature of n. The remainder limits the width of tiles (``imaging.curvature``).
 
     Parameters
     ----------
     baselines
-        (u - w l/n, v - w m/n, w) [wavelengths].
+        (u - w l/n, v - w m/n, c w) [wavelengths].
     phase
         exp(2 pi i (u l + v m + w (n-1))).
     """
@@ -41,12 +42,25 @@ class TangentPlane:
 
     @classmethod
     def at(cls, uvw: Float[Array, "sample 3"], l: float, m: float) -> Self:
-        """Baselines ``uvw`` [wavelengths] as seen from the direction (l, m)."""
-        n1 = float(n_minus_one(np.array([l]), np.array([m]))[0])
+        """Baselines ``uvw`` [wavelengths] as seen from the direction (l, m).
+
+        Beyond the horizon, where there is no tangent, n is continued linearly from the nearest direction above it.
+        """
+        l0, m0, n0 = touching_point(l, m)
+        n1 = float(n_minus_one(np.array([l0]), np.array([m0]))[0])
+        slopes = l0 / n0, m0 / n0
+        n1 -= slopes[0] * (l - l0) + slopes[1] * (m - m0)
         baselines = np.empty((len(uvw), 3))
         phase = np.empty(len(uvw), np.complex64)
         real, imaginary = np.empty((2, len(uvw)), np.float32)
-        to_tangent_plane(np.ascontiguousarray(uvw), (l, m, n1), baselines, real, imaginary)
+        to_tangent_plane(
+            np.ascontiguousarray(uvw),
+            (l, m, n1),
+            (*slopes, mean_curvature(n0)),
+            baselines,
+            real,
+            imaginary,
+        )
         phase.real, phase.imag = real, imaginary
         return cls(baselines, phase)
 

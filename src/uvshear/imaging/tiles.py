@@ -5,6 +5,7 @@ band 0. A tile is imaged in the plane tangent at its centre, where w hardly matt
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,10 @@ margins cost time, and with more, w does."""
 
 TAPS = 8
 """Number of coarse pixels beyond a tile that interpolation to its pixels needs."""
+
+
+MOST_JOINED = 60
+"""Number of times that boxes can be joined: numbers of boxes have 64 bits."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +72,11 @@ class Footprint:
 
 
 def plan_tiles(
-    footprint: Footprint, pixel: float, bands: int, core: int = CORE
+    footprint: Footprint,
+    pixel: float,
+    bands: int,
+    core: int = CORE,
+    half_widths: Sequence[float] | None = None,
 ) -> tuple[tuple[Tile, ...], ...]:
     """Plan the tiles of each band, beginning with the finest; parts of the sky without sources have none.
 
@@ -81,13 +90,18 @@ def plan_tiles(
         Number of bands.
     core
         Largest number of pixels of the finest band that a tile covers along a side, without its margins.
+    half_widths
+        Half of the width that a tile of each band may have without its margins [rad]; no limit unless given.
     """
-    boxes = _boxes(footprint, pixel, core)
+    widest = min(core * pixel, 2 * min(half_widths or [math.inf]))
+    boxes, box = _boxes(footprint, widest)
+    joined = _joined(half_widths or [math.inf] * bands, box)
     plans: list[tuple[Tile, ...]] = []
     children: dict[tuple[int, int], list[Tile]] = {}
     previous: list[list[int]] = []
+    step = 0
     for band in range(bands):
-        keys, index = np.unique(boxes >> band, axis=0, return_inverse=True)
+        keys, index = np.unique(boxes >> joined[band], axis=0, return_inverse=True)
         index = index.ravel()
         tiles = [
             _tile(footprint, pixel, band, np.flatnonzero(index == k), children.get(tuple(key), []))
@@ -96,24 +110,36 @@ def plan_tiles(
         if band:
             parents = {tuple(key): k for k, key in enumerate(keys.tolist())}
             plans[-1] = tuple(
-                _with_parent(tile, parents[(key[0] >> 1, key[1] >> 1)])
+                _with_parent(tile, parents[(key[0] >> step, key[1] >> step)])
                 for tile, key in zip(plans[-1], previous, strict=True)
             )
         plans.append(tuple(tiles))
         previous = keys.tolist()
+        step = joined[min(band + 1, bands - 1)] - joined[band]
         children = {}
         for tile, (a, b) in zip(tiles, previous, strict=True):
-            children.setdefault((a >> 1, b >> 1), []).append(tile)
+            children.setdefault((a >> step, b >> step), []).append(tile)
     return tuple(plans)
 
 
-def _boxes(footprint: Footprint, pixel: float, core: int) -> Int[Array, "source 2"]:
-    """Box of each source; the boxes divide the field into equal parts of at most ``core`` pixels."""
+def _boxes(footprint: Footprint, widest: float) -> tuple[Int[Array, "source 2"], float]:
+    """Box of each source, and the width of a box; the boxes divide the field into equal parts of at most ``widest``."""
     lm = np.column_stack([footprint.l, footprint.m])
     low, extent = lm.min(axis=0), np.ptp(lm, axis=0)
-    parts = np.maximum(1, np.ceil(extent / (core * pixel)))
-    place = np.floor((lm - low) / np.maximum(extent, pixel) * parts)
-    return np.minimum(place, parts - 1).astype(int)
+    parts = np.maximum(1, np.ceil(extent / widest))
+    place = np.floor((lm - low) / np.where(extent > 0, extent, 1.0) * parts)
+    return np.minimum(place, parts - 1).astype(int), float((extent / parts).max())
+
+
+def _joined(half_widths: Sequence[float], box: float) -> list[int]:
+    """Return how often boxes are joined, two by two along each axis, in the tiles of each band: at most once a band."""
+    joined = [0]
+    for band in range(1, len(half_widths)):
+        # Coarser bands have the boxes of this one, or larger ones, and therefore limit it.
+        ratio = 2 * min(half_widths[band:]) / box if box > 0 else math.inf
+        most = math.floor(math.log2(min(max(ratio, 1.0), 2.0**MOST_JOINED)) + 1e-9)
+        joined.append(min(joined[-1] + 1, most))
+    return joined
 
 
 def _tile(
@@ -136,7 +162,15 @@ def _tile(
             high[axis] = max(high[axis], last // 2 + 1 + TAPS)
     size = max(high[0] - low[0], high[1] - low[1], 64)
     size += size % 2
-    return Tile(band, (low[0], low[1]), size, members, -1)
+    return Tile(band, square_around(low, high, size), size, members, -1)
+
+
+def square_around(low: Sequence[int], high: Sequence[int], size: int) -> tuple[int, int]:
+    """Return the first pixel of a square of ``size`` pixels that has the middle of a rectangle at its centre."""
+    first, second = (
+        start - (size - (stop - start)) // 2 for start, stop in zip(low, high, strict=True)
+    )
+    return first, second
 
 
 def _with_parent(tile: Tile, parent: int) -> Tile:

@@ -40,11 +40,19 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
         for number, state in (
             (counts.non_finite, "are NaN or infinite, in data or weight,"),
             (counts.non_positive_weights, "have a weight of zero or less"),
-            (counts.impossible_uvw, "have a UVW that is zero, not finite or longer than 1e9 m,"),
+            (
+                counts.impossible_uvw,
+                "have a UVW that is zero, not finite or longer than the array,",
+            ),
             (
                 counts.impossible_times,
                 "have a time or integration that is negative, NaN or infinite",
             ),
+            (
+                counts.impossible_channels,
+                "have a frequency or a channel width that no radio telescope has",
+            ),
+            (counts.impossible_weights, "have more than a million times the weight of the others"),
             (counts.impossible_amplitudes, "are more than 1e8 times their noise"),
         )
         if number

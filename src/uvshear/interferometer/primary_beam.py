@@ -21,6 +21,9 @@ from uvshear.typing import Array, Float
 MEERKAT_WIDTH = math.radians(57.5 / 60) * 1.5e9
 """Full width at half maximum of a MeerKAT dish's power beam, times the frequency [rad Hz]."""
 
+LARGEST_DISH = 1e4
+"""Diameter that no dish has [m]."""
+
 _UNIFORM_WIDTH = 1.028993969962188
 """Full width at half maximum of the power beam of a uniformly illuminated disc, over wavelength/diameter: (2 J1(x)/x)^2
 is 1/2 at x = 1.616."""
@@ -122,7 +125,7 @@ class CosineTaperBeam(PrimaryBeam):
 
 
 def _width_of_disc(diameters: Float[Array, " antenna"]) -> Float[Array, " antenna"]:
-    unknown = ~(np.asarray(diameters) > 0)
+    unknown = ~((np.asarray(diameters) > 0) & (np.asarray(diameters) < LARGEST_DISH))
     if np.any(unknown):
         raise InputError(
             f"the diameter of the dish of antenna {int(np.argmax(unknown))} is not known, and this primary beam"

@@ -35,7 +35,7 @@ class Reservoir:
         count = size if self._limit == 1 else self._generator.binomial(size, self._limit)
         places = np.arange(size)
         if count < size:
-            places = np.unique(self._generator.integers(0, size, count))
+            places = np.sort(self._generator.choice(size, count, replace=False, shuffle=False))
         return places, self._generator.uniform(0, self._limit, len(places))
 
     def add(self, numbers: Float[Array, " drawn"], columns: Columns) -> None:

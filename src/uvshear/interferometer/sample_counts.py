@@ -25,9 +25,13 @@ class SampleCounts:
     non_positive_weights
         Finite samples without a flag whose weight is zero or negative.
     impossible_uvw
-        Samples with weight whose UVW is not finite, zero, or longer than any baseline.
+        Samples with weight whose UVW is not finite, zero, or longer than any baseline of the array.
     impossible_times
         Other samples with weight whose time or integration is negative or not finite.
+    impossible_channels
+        Other samples with weight whose frequency or channel width cannot be that of a radio telescope.
+    impossible_weights
+        Other samples whose weight is more than a million times that of nearly all others.
     impossible_amplitudes
         Other samples with weight whose signal-to-noise ratio is larger than any.
     """
@@ -41,6 +45,8 @@ class SampleCounts:
     non_positive_weights: int = 0
     impossible_uvw: int = 0
     impossible_times: int = 0
+    impossible_channels: int = 0
+    impossible_weights: int = 0
     impossible_amplitudes: int = 0
 
     @property

@@ -7,6 +7,7 @@ from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.noise_estimate import noise_over_weights
 from uvshear.interferometer.origin import Origin, origin_of, parts_of
+from uvshear.interferometer.screening import screened_chunks
 from uvshear.interferometer.visibilities import Observation, Visibilities
 
 
@@ -39,7 +40,7 @@ class ScaledObservation:
 
     def chunks(self) -> Iterator[Visibilities]:
         """Read everything once."""
-        for chunk in self.observation.chunks():
+        for chunk in screened_chunks(self.observation):
             weights = (chunk.weights / self.noise**2).astype(chunk.weights.dtype)
             powers = None if chunk.hand_powers is None else chunk.hand_powers / self.noise**2
             yield replace(chunk, weights=weights, hand_powers=powers)

@@ -1,64 +1,115 @@
 """Samples that cannot be right are left out of every pass, and counted by reason."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
+from uvshear.constants import RADIO_FREQUENCIES
 from uvshear.interferometer.sample_counts import SampleCounts
-from uvshear.interferometer.visibilities import Integrations, Visibilities
-from uvshear.typing import Array, Bool
+from uvshear.interferometer.visibilities import Integrations, Observation, Visibilities
+from uvshear.typing import Array, Bool, Float
 
 LONGEST_BASELINE: Final = 1e9
-"""Length beyond which a baseline cannot be real [m]: more than twice the distance of the Moon."""
+"""Length beyond which a baseline cannot be real, if that of the array is not known [m]: more than twice the distance of
+the Moon."""
 
 LARGEST_SNR: Final = 1e8
 """Signal-to-noise ratio beyond which a single visibility cannot be real. Squares of larger ones overflow in single
 precision."""
 
+LARGEST_WEIGHT: Final = 1e6
+"""Weight over the 99th percentile of its block beyond which a weight cannot be real: the noise of few samples would be
+less than a thousandth of that of all others. In sums of single precision they would drown the others."""
+
+FEW: Final = 0.99
+"""Fraction of the samples of a block that have a smaller weight than those that may be too large."""
+
 
 def screened(seen: Visibilities) -> Visibilities:
     """Return the samples with a weight of 0 where they cannot be right, and with the numbers of these by reason.
 
-    Rows are left out whose UVW is not finite, zero (as writers store it for missing antennas) or impossibly long, or
-    whose time or integration is negative or not finite. Samples are left out that are not finite, or impossibly large.
+    Rows are left out whose UVW is not finite, zero (as writers store it for missing antennas) or longer than the array,
+    or whose time or integration is negative or not finite. Channels are left out whose frequency or width cannot be
+    that of a radio telescope. Samples are left out that are not finite, or impossibly large, or whose weight dwarfs all
+    others.
     """
+    if seen.is_screened:
+        return seen
+    seen = replace(seen, is_screened=True)
     counts = seen.counts or _counted(seen)
-    has_weight = seen.weights > 0
-    place, time = _wrong_places(seen), _wrong_times(seen)
-    nowhere, never = has_weight & place[:, None], has_weight & (time & ~place)[:, None]
+    place, time, channel = _wrong_places(seen), _wrong_times(seen), _wrong_channels(seen)
+    wrong = place[:, None] | time[:, None] | channel
+    is_finite = np.isfinite(seen.stokes_i) & np.isfinite(seen.weights)
+    has_weight = is_finite & (seen.weights > 0) & ~wrong
+    heavy = has_weight & _dwarfs_others(seen.weights, has_weight)
     with np.errstate(all="ignore"):
         power = np.abs(seen.stokes_i) ** 2 * seen.weights
-        is_finite = np.isfinite(seen.stokes_i) & np.isfinite(seen.weights)
-        is_huge = is_finite & ~(power < LARGEST_SNR**2)
-    is_huge &= has_weight & ~(place | time)[:, None]
-    unusable = nowhere | never | is_huge | ~is_finite | (seen.weights < 0)
-    if not (unusable.any() or place.any() or time.any()):
+        huge = has_weight & ~heavy & ~(power < LARGEST_SNR**2)
+    unusable = wrong | heavy | huge | ~is_finite | (seen.weights < 0)
+    if not unusable.any():
         return replace(seen, counts=counts)
+    counted = seen.weights > 0
     lost = {
-        "impossible_uvw": nowhere,
-        "impossible_times": never,
-        "impossible_amplitudes": is_huge,
+        "impossible_uvw": counted & place[:, None],
+        "impossible_times": counted & (time & ~place)[:, None],
+        "impossible_channels": counted & ~(place | time)[:, None] & channel,
+        "impossible_weights": heavy,
+        "impossible_amplitudes": huge,
     }
     found = {name: int(np.count_nonzero(samples)) for name, samples in lost.items()}
     weights = np.where(unusable, 0, seen.weights).astype(seen.weights.dtype)
-    data = np.where(unusable, 0, seen.stokes_i).astype(seen.stokes_i.dtype)
-    uvw = np.where(place[:, None], 0.0, seen.uvw)
-    usable = int(np.count_nonzero(weights))
     return replace(
-        seen,
-        uvw=uvw,
-        stokes_i=data,
+        _with_harmless_channels(seen, channel),
+        uvw=np.where(place[:, None], 0.0, seen.uvw),
+        stokes_i=np.where(unusable, 0, seen.stokes_i).astype(seen.stokes_i.dtype),
         weights=weights,
         integrations=_without_wrong_times(seen, time),
-        counts=replace(counts, usable=usable, **found),
+        counts=replace(counts, usable=int(np.count_nonzero(weights)), **found),
     )
+
+
+def screened_chunks(observation: Observation) -> Iterator[Visibilities]:
+    """Read everything once, without the samples that cannot be right."""
+    return map(screened, observation.chunks())
 
 
 def _wrong_places(seen: Visibilities) -> Bool[Array, " row"]:
     with np.errstate(all="ignore"):
         length = np.sqrt(np.sum(seen.uvw**2, axis=1))
-    return ~((length > 0) & (length < LONGEST_BASELINE))
+    longest = LONGEST_BASELINE if seen.longest_baseline is None else seen.longest_baseline
+    return ~((length > 0) & (length <= longest))
+
+
+def _wrong_channels(seen: Visibilities) -> Bool[Array, " chan"]:
+    lowest, highest = RADIO_FREQUENCIES
+    wrong = ~((seen.frequency >= lowest) & (seen.frequency <= highest))
+    if seen.width is not None:
+        wrong |= ~((seen.width >= 0) & (seen.width <= highest))
+    return wrong
+
+
+def _with_harmless_channels(seen: Visibilities, wrong: Bool[Array, " chan"]) -> Visibilities:
+    if not wrong.any():
+        return seen
+    right = seen.frequency[~wrong]
+    usual = right[0] if len(right) else RADIO_FREQUENCIES[0]
+    return replace(
+        seen,
+        frequency=np.where(wrong, usual, seen.frequency),
+        width=None if seen.width is None else np.where(wrong, 0.0, seen.width),
+    )
+
+
+def _dwarfs_others(
+    weights: Float[Array, "row chan"], has_weight: Bool[Array, "row chan"]
+) -> Bool[Array, "row chan"]:
+    usual = weights[has_weight]
+    if len(usual) == 0 or not usual.max() > LARGEST_WEIGHT * float(usual.min()):
+        return np.zeros(weights.shape, bool)
+    place = int(FEW * (len(usual) - 1))
+    return weights > LARGEST_WEIGHT * float(np.partition(usual, place)[place])
 
 
 def _wrong_times(seen: Visibilities) -> Bool[Array, " row"]:

@@ -29,9 +29,9 @@ class ObservationSummary:
     longest
         Length of the longest baseline with a positive weight [wavelengths].
     frequency
-        Highest frequency [Hz].
+        Highest frequency of a sample with weight [Hz].
     lowest_frequency
-        Lowest frequency [Hz].
+        Lowest frequency of a sample with weight [Hz].
     weight
         Sum of the weights [Jy^-2]: 1/weight is the variance of a point source's flux.
     probes
@@ -72,11 +72,12 @@ class SummaryAccumulator(Accumulator[ObservationSummary]):
         """Take in the next chunk."""
         used = seen.weights > 0
         self._rows += len(seen)
-        self._highest = max(self._highest, float(seen.frequency.max()))
-        self._lowest = min(self._lowest, float(seen.frequency.min()))
         self._weight += float(seen.weights.sum(dtype=float))
         if not used.any():
             return
+        frequency = seen.frequency[used.any(axis=0)]
+        self._highest = max(self._highest, float(frequency.max()))
+        self._lowest = min(self._lowest, float(frequency.min()))
         self._longest = max(self._longest, float(seen.uv_distance[used].max()))
         row, chan = np.nonzero(used)
         self._samples += len(row)
@@ -110,7 +111,8 @@ class SummaryAccumulator(Accumulator[ObservationSummary]):
         """
         if self._probes is None:
             raise InputError(
-                "no visibility carries weight: all are flagged, or their weights are zero"
+                "no visibility carries weight: all are flagged, without a positive weight, or cannot be right"
+                " (uvshear info tells how many, and why)"
             )
         return ObservationSummary(
             self._rows,

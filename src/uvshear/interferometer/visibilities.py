@@ -59,6 +59,10 @@ class Visibilities:
     hand_powers
         Power of the difference of the two parallel hands over its variance (``stokes.powers_of_hands``), at some
         samples of the block; None where it is not known.
+    longest_baseline
+        Length that no baseline of the array exceeds [m]; None where the reader does not know it.
+    is_screened
+        Whether samples that cannot be right have been left out (``screening``).
     """
 
     uvw: Float[Array, "row 3"]
@@ -69,6 +73,8 @@ class Visibilities:
     integrations: Integrations | None = None
     counts: SampleCounts | None = None
     hand_powers: Float[Array, " drawn"] | None = None
+    longest_baseline: float | None = None
+    is_screened: bool = False
 
     def __len__(self) -> int:
         return len(self.uvw)

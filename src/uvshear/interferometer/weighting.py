@@ -25,6 +25,7 @@ from uvshear.interferometer.baseline_map import (
     rings_of,
 )
 from uvshear.interferometer.origin import Origin, origin_of, parts_of
+from uvshear.interferometer.screening import screened_chunks
 from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.typing import Array, Float, Int
 
@@ -72,7 +73,7 @@ class WeightedObservation:
 
     def chunks(self) -> Iterator[Visibilities]:
         """Read everything once."""
-        for seen in self.natural.chunks():
+        for seen in screened_chunks(self.natural):
             weights = (seen.weights * (self.scale * self.total_factors(seen))).astype(
                 seen.weights.dtype
             )

@@ -4,13 +4,19 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Final, Self
 
 import numpy as np
 from astropy import units
 from astropy.table import Column, Table
 
-from uvshear.constants import ARCSEC, MICROJANSKY, REFERENCE_FREQUENCY, SPECTRAL_INDEX
+from uvshear.constants import (
+    ARCSEC,
+    MICROJANSKY,
+    RADIO_FREQUENCIES,
+    REFERENCE_FREQUENCY,
+    SPECTRAL_INDEX,
+)
 from uvshear.errors import InputError
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.galaxy.registry import PROFILES
@@ -27,6 +33,15 @@ POINT = "point"
 GALAXY = "galaxy"
 """Words of the column ``profile``. An empty cell or the name of any known profile stands for a galaxy as well; the
 profile of the model is an option of the measurement."""
+
+BRIGHTEST: Final = 1e10
+"""Flux density that no source has [Jy]; the Sun reaches a hundredth of it in its strongest bursts."""
+
+STEEPEST: Final = 100.0
+"""Largest spectral index, of either sign, that can be computed with; fits to few channels give wild values."""
+
+LARGEST: Final = 1.0
+"""Scale length that no source has [rad]."""
 
 
 @dataclass(frozen=True)
@@ -161,17 +176,22 @@ def catalogue_from_table(
     columns = Columns(in_our_columns(table), name)
     flux = columns.number("flux", units.Jy, given=flux_unit, needs_unit=True)
     columns.require("flux", flux > 0, "a positive flux density (here in Jy) is needed", flux)
+    columns.require("flux", flux < BRIGHTEST, f"less than {BRIGHTEST:g} Jy is needed", flux)
 
     position = _positions(columns)
 
     index = np.full(len(table), SPECTRAL_INDEX)
     if columns.has("spectral_index"):
         index = columns.number("spectral_index", units.dimensionless_unscaled)
+        needed = f"-{STEEPEST:g} to {STEEPEST:g} is needed"
+        columns.require("spectral_index", np.abs(index) <= STEEPEST, needed, index)
 
     scale_length = None
     if columns.has("scale_length"):
         scale_length = columns.number("scale_length", units.rad, assumed=units.arcsec)
         columns.require("scale_length", scale_length >= 0, "a size >= 0 is needed", scale_length)
+        fits = scale_length < LARGEST
+        columns.require("scale_length", fits, "a size below 1 rad is needed", scale_length)
 
     flux_err = None
     if columns.has("flux_err"):
@@ -293,11 +313,12 @@ def _frequencies(columns: Columns, option: float | None) -> Float[Array, " sourc
                     f"{columns.name}: its metadata give the reference frequency {stated[0]!r};"
                     " a number of Hz or a text such as '1.4 GHz' is needed"
                 ) from error
-    good = np.isfinite(frequency) & (frequency > 0)
+    lowest, highest = RADIO_FREQUENCIES
+    good = (frequency >= lowest) & (frequency <= highest)
     if not good.all():
         raise InputError(
             f"{columns.name}: the reference frequency is {frequency[~good][0]:g} Hz;"
-            " a positive frequency is needed"
+            f" a frequency from {lowest:g} to {highest:g} Hz is needed"
         )
     return frequency
 

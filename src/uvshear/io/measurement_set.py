@@ -213,15 +213,13 @@ class _Reader:
         uvw = np.empty((count, 3))
         table.getcolnp("UVW", uvw, start, count)
         uvw *= self.sign
-        nowhere = ~np.isfinite(uvw).all(axis=1)
-        uvw[nowhere], correlations[nowhere] = 0.0, np.nan  # counted as non-finite, and left out
         integrations = self._integrations(table, start, count)
         is_cross = integrations.antennas[:, 0] != integrations.antennas[:, 1]
         # A slice of the correlations, not an index: a view costs nothing.
         first, last = min(description.hands), max(description.hands)
         hands = slice(first, last + 1, max(1, last - first))
         if is_cross.all():
-            return _combine(
+            seen = _combine(
                 description,
                 uvw,
                 integrations,
@@ -229,6 +227,7 @@ class _Reader:
                 weights[..., hands],
                 flags[..., hands],
             )
+            return replace(seen, longest_baseline=self.header.longest_baseline)
         seen = _combine(
             description,
             uvw[is_cross],
@@ -239,7 +238,11 @@ class _Reader:
         )
         assert seen.counts is not None
         autocorrelations = count - int(np.count_nonzero(is_cross))
-        return replace(seen, counts=replace(seen.counts, autocorrelations=autocorrelations))
+        return replace(
+            seen,
+            counts=replace(seen.counts, autocorrelations=autocorrelations),
+            longest_baseline=self.header.longest_baseline,
+        )
 
     def _visibilities(
         self, table: tables.table, column: str, start: int, shape: tuple[int, int, int]

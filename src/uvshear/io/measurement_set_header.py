@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 from casacore import tables
 
-from uvshear.constants import ARCSEC
+from uvshear.constants import ARCSEC, RADIO_FREQUENCIES
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre, separation
 from uvshear.interferometer.dishes import SAME_POINTING
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import parallel_hands
+from uvshear.io.array_size import longest_baseline
 from uvshear.typing import Array, Float
 
 NEEDED_COLUMNS = ("UVW", "FLAG", "ANTENNA1", "ANTENNA2", "DATA_DESC_ID", "FIELD_ID", "TIME")
@@ -72,6 +73,8 @@ class Header:
     interval_column
         Column of the time that a row was averaged over: EXPOSURE (0 where nothing was averaged), INTERVAL in a set
         without it, or None.
+    longest_baseline
+        Length that no baseline of the array exceeds [m]; None where the positions of its antennas are not known.
     """
 
     rows: int
@@ -81,6 +84,7 @@ class Header:
     descriptions: tuple[DataDescription, ...]
     weight_column: str
     interval_column: str | None
+    longest_baseline: float | None = None
 
 
 @contextmanager
@@ -121,6 +125,7 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
                 descriptions=_descriptions(path),
                 weight_column=_weight_column(path, main, column),
                 interval_column=_interval_column(main),
+                longest_baseline=longest_baseline(path, main),
             )
 
 
@@ -316,7 +321,8 @@ def _averaged(spectral: tables.table, window: int, channels: Channels) -> Float[
     if column not in spectral.colnames() or not spectral.iscelldefined(column, window):
         return channels.width
     averaged = np.abs(np.asarray(spectral.getcell(column, window), float))
-    usable = averaged.shape == channels.width.shape and bool(np.isfinite(averaged).all())
+    is_credible = averaged <= RADIO_FREQUENCIES[1]
+    usable = averaged.shape == channels.width.shape and bool(is_credible.all())
     return averaged if usable else channels.width
 
 

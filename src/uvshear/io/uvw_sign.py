@@ -6,8 +6,9 @@ from typing import Final
 import numpy as np
 
 from uvshear.interferometer.coverage import antenna_uvw, sidereal_time
+from uvshear.interferometer.screening import LONGEST_BASELINE
 from uvshear.io.measurement_set_header import Header, casacore_errors, open_table
-from uvshear.typing import Array, Float
+from uvshear.typing import Array, Bool, Float, Int
 
 ROWS_COMPARED: Final = 256
 """Number of rows, spread over the set, that are compared."""
@@ -36,15 +37,32 @@ def uvw_sign_agrees(path: Path, header: Header) -> bool | None:
         )
     with open_table(path, "ANTENNA") as antennas, casacore_errors(path, "ANTENNA"):
         positions = np.asarray(antennas.getcol("POSITION"), dtype=float)
-    hour_angle = sidereal_time(time) - header.phase_centre.ra
+    known = _comparable(stored, time, np.stack([first, second]), positions) & same_field
+    if not known.any():
+        return None
+    first, second = first[known], second[known]
+    hour_angle = sidereal_time(time[known]) - header.phase_centre.ra
     computed = np.array(
         [
             antenna_uvw(positions[[p, q]], hour_angle[[row]], header.phase_centre.dec)[0]
             for row, (p, q) in enumerate(zip(first, second, strict=True))
         ]
     )
-    compared = (first != second) & same_field
-    return _sense(stored[compared], (computed[:, 0] - computed[:, 1])[compared])
+    return _sense(stored[known], computed[:, 0] - computed[:, 1])
+
+
+def _comparable(
+    stored: Float[Array, "row 3"],
+    time: Float[Array, " row"],
+    antennas: Int[Array, "2 row"],
+    positions: Float[Array, "antenna 3"],
+) -> Bool[Array, " row"]:
+    """Tell which rows have a UVW, a time, and two antennas of known positions."""
+    known = (antennas >= 0).all(axis=0) & (antennas < len(positions)).all(axis=0)
+    known &= antennas[0] != antennas[1]
+    known &= (np.abs(stored) < LONGEST_BASELINE).all(axis=1) & np.isfinite(time)
+    ends = positions[np.where(known, antennas, 0)] if known.any() else np.zeros((2, len(time), 3))
+    return known & (np.abs(ends) < LONGEST_BASELINE).all(axis=(0, 2))
 
 
 def _sense(stored: Float[Array, "row 3"], computed: Float[Array, "row 3"]) -> bool | None:

@@ -6,7 +6,7 @@ from typing import TypeAlias
 from astropy.table import Table
 
 from uvshear.errors import InputError
-from uvshear.io.catalogue import Catalogue, catalogue_from_table, read_catalogue
+from uvshear.io.catalogue import Catalogue, catalogue_from_table, catalogue_table, read_catalogue
 
 CatalogueLike: TypeAlias = Catalogue | Table | str | Path
 """A catalogue, a table with its columns, or the file that has it."""
@@ -15,6 +15,7 @@ CatalogueLike: TypeAlias = Catalogue | Table | str | Path
 def catalogue_of(given: CatalogueLike) -> Catalogue:
     """Return a catalogue, which may be given as an object, as a table, or as the path of a file."""
     if isinstance(given, Catalogue):
+        catalogue_from_table(catalogue_table(given))  # for its checks
         return given
     if isinstance(given, Table):
         return catalogue_from_table(given)

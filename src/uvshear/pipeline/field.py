@@ -16,6 +16,13 @@ from uvshear.predict.response import FAINTEST, Response
 from uvshear.shapes.measurement import FitFlag
 from uvshear.typing import Array, Bool, Float, Int
 
+STEEPEST_CREDIBLE = 4.0
+"""Spectral index, of either sign, with which fluxes are extrapolated to 1.4 GHz for the prior on the size; steeper ones
+are errors of fits to few channels."""
+
+LARGEST_CHANGE = 1e6
+"""Largest ratio of a flux in the band and at the reference frequency of the catalogue, and of its inverse."""
+
 SAME_PLACE = 0.25
 """Two sources are one if they are closer than this fraction of the smaller one's median scale length."""
 
@@ -32,15 +39,16 @@ def field_of_catalogue(
     Raises
     ------
     InputError
-        No baseline of the observation is within the uv range of the method.
+        No baseline of the observation is within the uv range of the method, or the spectrum of a source gives it an
+        absurd flux in the band.
     """
     l, m, n = sources.directions(phase_centre)
     flags = _flags(sources, np.hypot(l, m), n, method.field_radius)
     is_modelled = (flags == FitFlag.OK) | (flags == FitFlag.POINT_SOURCE)
     is_point = flags == FitFlag.POINT_SOURCE
-    flux_at_1_4 = sources.flux * (REFERENCE_FREQUENCY / sources.reference_frequency) ** (
-        sources.spectral_index
-    )
+    _check_spectra(sources, summary)
+    index = np.clip(sources.spectral_index, -STEEPEST_CREDIBLE, STEEPEST_CREDIBLE)
+    flux_at_1_4 = sources.flux * (REFERENCE_FREQUENCY / sources.reference_frequency) ** index
     # A point has no size; where one is needed, as for the prior of its position, that of a galaxy of its flux serves.
     usual = np.exp(SizeFluxRelation().prior(flux_at_1_4).log_median)
     known_size = (
@@ -85,6 +93,22 @@ def field_of_catalogue(
         position_err=unknown if sources.position_err is None else sources.position_err,
         weight_correction=np.ones(len(sources)),
     )
+
+
+def _check_spectra(sources: Catalogue, summary: ObservationSummary) -> None:
+    """Refuse spectra that change the flux by more than ``LARGEST_CHANGE`` between their reference and the band."""
+    farthest = max(
+        (summary.lowest_frequency, summary.frequency),
+        key=lambda frequency: abs(np.log(frequency / sources.reference_frequency)),
+    )
+    exponent = sources.spectral_index * np.log10(farthest / sources.reference_frequency)
+    worst = int(np.argmax(np.abs(exponent)))
+    if abs(exponent[worst]) > np.log10(LARGEST_CHANGE):
+        raise InputError(
+            f"source id {sources.identifier[worst]}: with the spectral index {sources.spectral_index[worst]:.4g}, its"
+            f" flux at {farthest:.4g} Hz is 1e{exponent[worst]:.0f} times the flux at the reference frequency of"
+            f" {sources.reference_frequency:.4g} Hz; a credible spectral index and reference frequency are needed"
+        )
 
 
 def _flags(

@@ -48,6 +48,7 @@ class Prepared:
         model, method, executor = options.model, options.method, options.resources.executor
         first = first_pass(observation, executor)
         field = field_of_catalogue(sources, observation.phase_centre, first.summary, model, method)
+        field = method.extraction.within_reach(field)
         attenuated = method.extraction.models_attenuation
         checks = DataChecks(observation, first.noise_samples, model, attenuated, executor)
         return cls(observation, sources, options, first, field, checks)

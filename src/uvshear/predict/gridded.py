@@ -13,7 +13,7 @@ from uvshear.execution import SERIAL, Executor, Resources
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.imaging.bands import Band
 from uvshear.imaging.tangent import TangentPlane
-from uvshear.imaging.tiles import Tile
+from uvshear.imaging.tiles import Tile, square_around
 from uvshear.interferometer.samples import Samples
 from uvshear.predict.rendering import render, stamp_size
 from uvshear.predict.response import Response, SeenAs, seen_as
@@ -184,4 +184,4 @@ def _padded(tile: Tile, sky: ModelledSky, band: Band) -> Tile:
         high.append(int((place + half).max()))
     size = max(high[0] - low[0], high[1] - low[1])
     size += size % 2
-    return Tile(tile.band, (low[0], low[1]), size, tile.members, tile.parent)
+    return Tile(tile.band, square_around(low, high, size), size, tile.members, tile.parent)

@@ -14,9 +14,11 @@ class FitFlag(Enum):
     """Outcome of the fit of a source; the value is a sentence, and the lower-case name appears in tables."""
 
     OK = "measured"
-    OUTSIDE_FIELD = "the source is outside the radius of the field, or smearing and the primary beam leave almost"
-    " none of its flux"
+    OUTSIDE_FIELD = "the source is outside the radius of the field, or so far from the phase centre that images do not"
+    " represent it, or smearing and the primary beam leave almost none of its flux"
     BELOW_HORIZON = "the source is 90 degrees or more from the phase centre"
+    TOO_LARGE = "the source is larger than images with the resolution of the array can be; its size is that of the"
+    " catalogue, or follows from its flux"
     POINT_SOURCE = "the catalogue lists a point source (scale_length 0 or profile point): it is subtracted, not"
     " measured"
     NO_DATA = "no visibility within the uv range carries weight"

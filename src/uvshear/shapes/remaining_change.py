@@ -19,9 +19,9 @@ class RemainingChange:
     Parameters
     ----------
     model
-        Change of its model, in units of the noise.
+        Change of its model by another major cycle, in units of the noise.
     ellipticity
-        Change of its ellipticity.
+        Change of its ellipticity by all further major cycles.
     """
 
     model: float

@@ -1,5 +1,7 @@
 """One step of all sources against the dense matrix of all their parameters."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from tests.extraction.converged.fisher_matrices import PAIRS, SIX, fisher_matrix, parts_of
@@ -29,3 +31,11 @@ def test_fixed_sources_stay_and_the_others_move_as_if_they_were_known():
     assert np.abs(step.ravel() * scale)[~free].max() < 1e-6
     error = np.linalg.norm((step.ravel() * scale)[free] - expected * scale[free])
     assert error < 2e-3 * np.linalg.norm(expected * scale[free])
+
+
+def test_a_system_without_a_solution_moves_no_source():
+    """Filterwarnings are errors in tests: none of numpy's reaches the user either."""
+    equations, couplings, _ = parts_of(fisher_matrix(5), PAIRS)
+    huge = [replace(source, gradient=1e200 * source.gradient) for source in equations]
+    step = solve_jointly(huge, couplings, np.ones(5), np.zeros(5, bool))
+    np.testing.assert_array_equal(step, 0.0)

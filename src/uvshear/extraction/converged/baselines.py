@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from uvshear.extraction.converged.plan import SMALL
+from uvshear.extraction.converged.reach import NEGLIGIBLE, stretch, used_baselines
 from uvshear.extraction.field import Field
+from uvshear.imaging.bands import steepest
 from uvshear.typing import Array, Bool, Float
 
 LARGE = 0.37
@@ -30,7 +32,8 @@ class Baselines:
     shortest, longest
         Range of all baselines that are used.
     finest
-        Longest baseline that the pixels can represent, for the interaction of galaxies that the array does not resolve.
+        Longest baseline that the pixels can represent, for the interaction of galaxies that the array does not resolve,
+        and for sources far from the phase centre, which see longer baselines than the phase centre does.
     uv_max
         Longest baseline that carries information on each source.
     """
@@ -57,6 +60,9 @@ class Baselines:
         informative = np.where(is_galaxy, uv_max, longest_informative)
         used = np.minimum(informative, field.uv_range.maximum)
         longest = float(used.max()) * (1 + 1e-9)
+        finest = min(float(informative.max()) * (1 + 1e-9), 2 * longest)
+        slope = steepest(field.l[members], field.m[members])
+        stretched = stretch(used_baselines(field, longest), slope, longest) / NEGLIGIBLE
         if shortest is None:
             shortest = 0.0
             if is_galaxy.any():
@@ -65,6 +71,6 @@ class Baselines:
         return cls(
             shortest=max(shortest, field.uv_range.minimum),
             longest=longest,
-            finest=min(float(informative.max()) * (1 + 1e-9), 2 * longest),
+            finest=max(finest, longest * stretched),
             uv_max=used,
         )

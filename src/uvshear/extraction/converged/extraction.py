@@ -26,6 +26,7 @@ from uvshear.extraction.converged.major_cycle import first_major_cycle, next_maj
 from uvshear.extraction.converged.minor_cycle import run_minor_cycle
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.planner import Planner
+from uvshear.extraction.converged.reach import out_of_reach, too_large
 from uvshear.extraction.converged.release import release
 from uvshear.extraction.converged.shapes import measure_shapes
 from uvshear.extraction.converged.sky_state import SkyState
@@ -37,6 +38,7 @@ from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.gridded import Gridding
 from uvshear.progress import Meter, Progress
+from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.source_facet import Kept
 
 ROUGH = 0.3
@@ -81,10 +83,19 @@ class ConvergedExtraction(Extraction):
     keeps_statistics = True
 
     tolerance: float = 0.1
-    most_major_cycles: int = 5
+    most_major_cycles: int = 10
     scale_lengths: float = 45.0
     epsilon: float = 1e-4
     shortest: float | None = None
+
+    def within_reach(self, field: Field) -> Field:
+        """Return the field with a flag for sources that images do not represent (``converged.reach``)."""
+        if len(field.modelled) == 0:
+            return field
+        is_galaxy = field.flags[field.modelled] == FitFlag.OK
+        longest = Baselines.from_field(field, is_galaxy, self.shortest).longest
+        near = field.without(out_of_reach(field, longest), FitFlag.OUTSIDE_FIELD)
+        return near.without(too_large(near, longest, self.scale_lengths), FitFlag.TOO_LARGE)
 
     def extract(
         self,

@@ -6,6 +6,9 @@ from typing import Self
 from uvshear.extraction.converged.minor_cycle import Moves, rms
 from uvshear.typing import Array, Float
 
+FARTHEST = 5.0
+"""Largest estimate of all further changes, over the last one: changes that hardly shrink tell of no end."""
+
 
 @dataclass(frozen=True)
 class History:
@@ -51,6 +54,12 @@ class History:
             return 1.0
         before, last = self.change_rms[-2:]
         return min(last / before, 1.0) if before > 0 else 0.0
+
+    @property
+    def left_to_the_limit(self) -> float:
+        """Sum of all further changes over the last one, if they go on to shrink by the same factor."""
+        factor = self.shrinkage
+        return min(factor / (1 - factor), FARTHEST) if factor < 1 else FARTHEST
 
     def record(self) -> dict[str, object]:
         """Return the numbers that are stored with the shapes."""

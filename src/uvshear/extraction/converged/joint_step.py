@@ -94,7 +94,10 @@ def solve_jointly(
     flux: Float[Array, " source"],
     is_fixed: Bool[Array, " source"],
 ) -> Float[Array, "source 6"]:
-    """Solve (F + DAMPING diag F) step = gradient by conjugate gradients, with some sources fixed."""
+    """Solve (F + DAMPING diag F) step = gradient by conjugate gradients, with some sources fixed.
+
+    A system that has no solution moves no source.
+    """
     own = np.array([source.information for source in equations])
     gradient = np.array([source.gradient for source in equations])
     scale = np.sqrt(np.maximum(np.einsum("sii->si", own), 1e-300))
@@ -115,5 +118,9 @@ def solve_jointly(
     matrix = LinearOperator(near.shape, matvec=multiply, dtype=float)
     preconditioner = LinearOperator(near.shape, matvec=precondition, dtype=float)
     right = (gradient / scale).ravel()
-    solution, _ = cg(matrix, right, rtol=_SOLVED, maxiter=_MOST_ITERATIONS, M=preconditioner)
+    # Where the couplings, which are approximate, make the matrix indefinite, the iteration diverges.
+    with np.errstate(over="ignore", invalid="ignore"):
+        solution, _ = cg(matrix, right, rtol=_SOLVED, maxiter=_MOST_ITERATIONS, M=preconditioner)
+    if not np.isfinite(solution).all():
+        solution = np.zeros(len(right))
     return solution.reshape(-1, PARAMETERS) / scale

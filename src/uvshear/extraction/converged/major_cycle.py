@@ -145,7 +145,7 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
     def add_block(self, samples: Samples) -> None:
         """Subtract the models, image the residual and cut out the facets, band by band."""
         plan, sky, gridding = self._plan, self._sky, self._gridding
-        number = plan.band_of(samples.uv_distance)
+        number = plan.band_of(samples.uvw)
         coarser: list[Images] = []
         for b in range(len(plan.bands) - 1, plan.top - 1, -1):
             band, tiles, filters = plan.bands[b], plan.tiles[b], self._filters[b]

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uvshear.imaging.bands import Band, octaves
+from uvshear.imaging.bands import Band, longest_seen, numbers_of_bands, octaves, steepest
+from uvshear.imaging.curvature import half_widths_of_bands
 from uvshear.imaging.cutout import Cutout, cutout, cutout_size
 from uvshear.imaging.tiles import CORE, Footprint, Tile, plan_tiles
 from uvshear.typing import Array, Float, Int
@@ -57,6 +58,8 @@ class MajorCyclePlan:
         Lattice point at the centre of each cutout, even in both coordinates [finest pixels].
     offset
         Distance from there to the source [rad].
+    slope
+        Largest slope of n among the sources.
     """
 
     shortest: float
@@ -66,6 +69,7 @@ class MajorCyclePlan:
     cutouts: tuple[Cutout, ...]
     place: Int[Array, "source 2"]
     offset: Float[Array, "source 2"]
+    slope: float = 0.0
 
     @property
     def pixel(self) -> float:
@@ -87,10 +91,9 @@ class MajorCyclePlan:
         """Direction cosines of the sources that the facets are centred on."""
         return self.place * self.pixel + self.offset
 
-    def band_of(self, distance: Float[Array, " sample"]) -> Int[Array, " sample"]:
-        """Return the number of the band of each uv distance [wavelengths]."""
-        edges = [band.shortest for band in self.bands[:-1]][::-1]
-        return len(edges) - np.searchsorted(edges, distance, side="right")
+    def band_of(self, uvw: Float[Array, "sample 3"]) -> Int[Array, " sample"]:
+        """Return the number of the band whose pixels represent each baseline [wavelengths] as all sources see it."""
+        return numbers_of_bands(self.bands, longest_seen(uvw, self.slope))
 
 
 def plan_major_cycle(
@@ -99,8 +102,11 @@ def plan_major_cycle(
     longest: float,
     finest: float | None = None,
     core: int = CORE,
+    baselines: Float[Array, "sample 3"] | None = None,
 ) -> MajorCyclePlan:
     """Plan for baselines from ``shortest`` to ``longest``, on pixels that can represent ``finest`` [wavelengths].
+
+    Some of the ``baselines`` (u, v, w) limit the widths of tiles far from the phase centre.
 
     Sources interact on pixels twice as wide as the finest: where an array does not resolve them, these pixels must
     represent all of its baselines, and ``finest`` is up to twice ``longest``. Tiles cover at most ``core`` pixels of
@@ -121,5 +127,12 @@ def plan_major_cycle(
     )
     place = 2 * np.rint(lm / (2 * pixel)).astype(int)
     footprint = Footprint(requests.l, requests.m, (np.array(sizes) / 2 + 2) * pixel)
-    tiles = plan_tiles(footprint, pixel, len(bands), core)
-    return MajorCyclePlan(shortest, longest, bands, tiles, cutouts, place, lm - place * pixel)
+    slope = steepest(requests.l, requests.m)
+    limits = None
+    if baselines is not None and len(baselines):
+        band = numbers_of_bands(bands, longest_seen(baselines, slope))
+        radius = float(np.hypot(requests.l, requests.m).max(initial=0.0))
+        limits = half_widths_of_bands(baselines, band, len(bands), radius)
+    tiles = plan_tiles(footprint, pixel, len(bands), core, limits)
+    offset = lm - place * pixel
+    return MajorCyclePlan(shortest, longest, bands, tiles, cutouts, place, offset, slope)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -11,6 +12,7 @@ from uvshear.extraction.converged.baselines import Baselines
 from uvshear.extraction.converged.beams import SIZE, BeamPlan
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.plan import FacetRequests, MajorCyclePlan, plan_major_cycle
+from uvshear.extraction.converged.reach import used_baselines
 from uvshear.extraction.converged.tile_sizes import cheapest_core
 from uvshear.galaxy import Galaxies
 from uvshear.imaging.bands import OVERSAMPLING
@@ -70,21 +72,14 @@ class Planner:
 
     def plan(self, fits: Sequence[GalaxyFit]) -> MajorCyclePlan:
         """Plan a major cycle with all baselines."""
-        used = self.baselines
-        return plan_major_cycle(
-            self._requests(fits), used.shortest, used.longest, used.finest, self.core
-        )
+        return self._planned(fits, self.baselines.longest)
 
     def plan_roughly(self, fits: Sequence[GalaxyFit]) -> MajorCyclePlan:
         """Plan a major cycle without the longest baselines, the most expensive ones, if there are several bands."""
         plan = self.plan(fits)
         if len(plan.bands) == 1:
             return plan
-        used = self.baselines
-        longest = min(plan.bands[0].shortest, used.longest)
-        return plan_major_cycle(
-            self._requests(fits), used.shortest, longest, used.finest, self.core
-        )
+        return self._planned(fits, min(plan.bands[0].shortest, self.baselines.longest))
 
     def plan_beams(self) -> BeamPlan:
         """Plan the beams around the sources."""
@@ -99,6 +94,16 @@ class Planner:
         half = np.where(modelled.is_galaxy, half, POINT_STAMP / 2 * self.pixel)
         sky = modelled.sky(fits).select(modelled.field.modelled)
         return ModelledSky(sky, half, modelled.response, modelled.sources[0].profile)
+
+    def _planned(self, fits: Sequence[GalaxyFit], longest: float) -> MajorCyclePlan:
+        used, requests = self.baselines, self._requests(fits)
+        return plan_major_cycle(
+            requests, used.shortest, longest, used.finest, self.core, self._probes
+        )
+
+    @cached_property
+    def _probes(self) -> Float[Array, "sample 3"]:
+        return used_baselines(self.modelled.field, self.baselines.longest)
 
     @property
     def _sources(self) -> Galaxies:

@@ -78,10 +78,10 @@ def _measure(
 
 def _remaining_changes(state: SkyState, history: History) -> list[RemainingChange]:
     """Return what another major cycle would change, judging by what the last one changed."""
-    factor = history.shrinkage
-    change = factor * state.change_since(state.subtracted)
+    change = history.shrinkage * state.change_since(state.subtracted)
+    further = history.left_to_the_limit
     return [
-        RemainingChange(float(model), factor * (now.ellipticity - before.ellipticity))
+        RemainingChange(float(model), further * (now.ellipticity - before.ellipticity))
         for model, now, before in zip(change, state.fits, state.subtracted, strict=True)
     ]
 

@@ -59,7 +59,7 @@ def cheapest_core(
         cores.append(cores[-1] // 2)
 
     def work(core: int) -> float:
-        plan = plan_major_cycle(requests, *baselines, core=core)
+        plan = plan_major_cycle(requests, *baselines, core=core, baselines=few.uvw.astype(float))
         return _work_of_plan(plan, factors, few.uv_distance, summary.samples)
 
     return min(cores, key=work)
