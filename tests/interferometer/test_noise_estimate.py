@@ -202,3 +202,11 @@ def test_the_error_of_an_estimate_is_its_scatter(quantile):
     assert np.mean(ratios) == pytest.approx(2, abs=0.01)
     # The scatter of 1000 is known to 2.2 per cent.
     assert np.std(ratios) == pytest.approx(error, rel=0.08)
+
+
+def test_data_without_any_noise_contradict_a_sky_that_is_not_in_them():
+    empty = sample_of(replace(seen(), stokes_i=np.zeros((BASELINES * TIMES, 4), complex)))
+    found = estimate_noise(empty, lambda samples: 1.0 + samples.uvw[:, 0].astype(complex))
+    assert found.ratio == 0
+    assert not found.is_certain
+    assert found.contradicting.ratio > 0.5

@@ -164,8 +164,14 @@ def estimate_noise(
     if not unlike:
         return found
     least = _least(found.smallest, across.smallest)
-    contradicting = max(unlike, key=lambda scatter: abs(scatter.ratio - least.ratio))
+    contradicting = max(unlike, key=lambda scatter: _factor_between(scatter.ratio, least.ratio))
     return NoiseEstimate(least, is_certain=False, contradicting=contradicting)
+
+
+def _factor_between(first: float, second: float) -> float:
+    """Return the larger of two ratios over the smaller; infinite where one, as of data that are all zero, is 0."""
+    smaller, larger = sorted((first, second))
+    return larger / smaller if smaller > 0 else math.inf
 
 
 def noise_over_weights(observation: Observation) -> NoiseEstimate | None:

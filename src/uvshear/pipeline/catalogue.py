@@ -15,7 +15,8 @@ CatalogueLike: TypeAlias = Catalogue | Table | str | Path
 def catalogue_of(given: CatalogueLike) -> Catalogue:
     """Return a catalogue, which may be given as an object, as a table, or as the path of a file."""
     if isinstance(given, Catalogue):
-        catalogue_from_table(catalogue_table(given))  # for its checks
+        if len(given):
+            catalogue_from_table(catalogue_table(given))  # for its checks
         return given
     if isinstance(given, Table):
         return catalogue_from_table(given)

@@ -103,6 +103,8 @@ def _check_spectra(sources: Catalogue, summary: ObservationSummary) -> None:
         (summary.lowest_frequency, summary.frequency),
         key=lambda frequency: abs(np.log(frequency / sources.reference_frequency)),
     )
+    if len(sources) == 0:
+        return
     exponent = sources.spectral_index * np.log10(farthest / sources.reference_frequency)
     worst = int(np.argmax(np.abs(exponent)))
     if abs(exponent[worst]) > np.log10(LARGEST_CHANGE):

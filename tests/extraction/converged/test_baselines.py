@@ -1,6 +1,7 @@
 """Baselines that take part, and what those left out would have told."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -70,6 +71,46 @@ def test_stars_alone_take_every_baseline():
     chosen = _chosen(stars=True)
     assert chosen.shortest == 0
     assert np.all(chosen.uv_max == 5e5)
+
+
+def _array_with_a_gap(lengths=(173.0,), numbers=(60,)):
+    """Two thousand baselines of 2785 to 1e5 wavelengths, and few short ones."""
+    rng = np.random.default_rng(1)
+    length = np.concatenate(
+        [
+            np.geomspace(2785, 1e5, 2000),
+            *(np.full(n, x) for x, n in zip(lengths, numbers, strict=True)),
+        ]
+    )
+    angle = rng.uniform(0, np.pi, len(length))
+    none = np.zeros(len(length))
+    uvw = np.column_stack([length * np.cos(angle), length * np.sin(angle), none])
+    antennas = np.zeros((len(length), 2), int)
+    return Samples(uvw, none + 0j, none + 1e9, none + FREQUENCY, none, none, antennas)
+
+
+def test_few_short_baselines_beyond_a_gap_are_used_for_what_they_tell_of_fluxes():
+    field = _field((1e4, 3e4), UvRange(0.0, 1e5))
+    with_probes = replace(field, summary=replace(field.summary, probes=_array_with_a_gap()))
+    every = np.full(2, True)
+    usual, chosen = (Baselines.from_field(f, every, None) for f in (field, with_probes))
+    assert usual.shortest > 173
+    assert (chosen.shortest, chosen.limit) == (0.0, usual.shortest)
+    fewer = chosen.without_short_ones()
+    assert (fewer.shortest, fewer.limit) == (usual.shortest, 0.0)
+    assert fewer.longest == chosen.longest
+    # asked for, nothing is chosen
+    assert Baselines.from_field(with_probes, every, 250.0).shortest == 250
+    assert Baselines.from_field(with_probes, every, 250.0).limit == 0
+
+
+def test_many_short_baselines_are_still_left_out():
+    field = _field((1e4, 3e4), UvRange(0.0, 1e5))
+    lengths = np.linspace(150, 2785, 60)
+    dense = _array_with_a_gap(lengths, np.full(60, 30))
+    with_probes = replace(field, summary=replace(field.summary, probes=dense))
+    chosen = Baselines.from_field(with_probes, np.full(2, True), None)
+    assert chosen.shortest == Baselines.from_field(field, np.full(2, True), None).shortest
 
 
 def _disc(e, alpha, uv):

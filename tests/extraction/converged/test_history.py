@@ -40,3 +40,20 @@ def test_the_record_is_what_json_knows():
         "left_undone": 3.5355,
         "left_undone_most": 4.0,
     }
+
+
+@pytest.mark.parametrize(
+    ("changes", "diverges"),
+    [
+        ((5.0,), False),
+        ((18.0, 4.0), False),
+        ((18.0, 4.0, 7.0), True),
+        ((0.05, 0.5), False),
+        ((9.0, 9.0), False),
+    ],
+)
+def test_a_sky_diverges_where_changes_above_the_noise_grow(changes, diverges):
+    history = History()
+    for change in changes:
+        history = history.with_cycle(np.array([change]), ())
+    assert history.is_diverging is diverges

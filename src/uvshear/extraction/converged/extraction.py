@@ -93,7 +93,7 @@ class ConvergedExtraction(Extraction):
         if len(field.modelled) == 0:
             return field
         is_galaxy = field.flags[field.modelled] == FitFlag.OK
-        longest = Baselines.from_field(field, is_galaxy, self.shortest).longest
+        longest = Baselines.from_field(field, is_galaxy, 0.0).longest
         near = field.without(out_of_reach(field, longest), FitFlag.OUTSIDE_FIELD)
         return near.without(too_large(near, longest, self.scale_lengths), FitFlag.TOO_LARGE)
 
@@ -110,14 +110,27 @@ class ConvergedExtraction(Extraction):
             return Extracted({}, field.sky, field.uv_range, record)
         # Threads of the linear algebra would compete with those of the fits, and change the last bits.
         with single_threaded_libraries():
-            return self._extract(observation, field, setting, Meter(progress))
+            meter, profile = Meter(progress), setting.model.profile
+            is_galaxy = field.flags[field.modelled] == FitFlag.OK
+            baselines = Baselines.from_field(field, is_galaxy, self.shortest, profile)
+            found = self._extract(observation, field, setting, meter, baselines)
+            if found is None:
+                baselines = baselines.without_short_ones()
+                found = self._extract(observation, field, setting, meter, baselines)
+        assert found is not None
+        return found
 
     def _extract(
-        self, observation: Observation, field: Field, setting: Setting, meter: Meter
-    ) -> Extracted:
+        self,
+        observation: Observation,
+        field: Field,
+        setting: Setting,
+        meter: Meter,
+        baselines: Baselines,
+    ) -> Extracted | None:
+        """Measure with these baselines; None where they let the sky diverge, and fewer can be used."""
         executor, centre = setting.resources.executor, observation.phase_centre
         modelled = ModelledField.from_field(field, setting.model, centre.dec)
-        baselines = Baselines.from_field(field, modelled.is_galaxy, self.shortest)
         planner = Planner.from_field(modelled, baselines, self.scale_lengths)
         gridding = Gridding.within(setting.resources, field.summary.samples, self._epsilon(field))
         on_fit, on_shape, on_statistics = (
@@ -147,6 +160,8 @@ class ConvergedExtraction(Extraction):
                 state, tolerance, executor, on_fit, afresh=len(history) < AFRESH
             )
             history = history.with_cycle(state.change_since(state.subtracted), moves)
+            if history.is_diverging and baselines.limit > 0:
+                return None
             is_last = history.left_undone < self.tolerance or len(history) >= self.most_major_cycles
             if plan.has_all_baselines and is_last:
                 break

@@ -61,6 +61,11 @@ class History:
         factor = self.shrinkage
         return min(factor / (1 - factor), FARTHEST) if factor < 1 else FARTHEST
 
+    @property
+    def is_diverging(self) -> bool:
+        """Whether the last major cycle changed the sky more than the one before, and by more than the noise."""
+        return len(self) > 1 and self.change_rms[-1] > max(self.change_rms[-2], 1.0)
+
     def record(self) -> dict[str, object]:
         """Return the numbers that are stored with the shapes."""
         return {
