@@ -42,11 +42,17 @@ def catalogue(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def layout(tmp_path: Path) -> Path:
-    """Four antennas."""
+    """Eight antennas over 30 km, which resolve galaxies of one arcsecond."""
     path = tmp_path / "array.txt"
     path.write_text(
-        "5109000 2006000 -3239000 15 A\n5109100 2006300 -3239000 15 B\n"
-        "5108800 2006000 -3239400 13.5 C\n5109000 2004000 -3240000 13.5 D\n"
+        "5108065 2007720 -3239409 15 A\n"
+        "5108936 2010295 -3236441 15 B\n"
+        "5113802 2006061 -3231388 15 C\n"
+        "5117225 1997993 -3230986 15 D\n"
+        "5117377 1990481 -3235398 13.5 E\n"
+        "5108654 2001167 -3242538 13.5 F\n"
+        "5103811 2003920 -3248473 13.5 G\n"
+        "5099457 2011820 -3250448 13.5 H\n"
     )
     return path
 

@@ -384,3 +384,33 @@ def test_moments_are_kept_beside_the_shapes(
     again = uvshear(*words)
     assert again.status == 2
     assert "exists already" in again.err
+
+
+def test_a_catalogue_of_another_field_is_refused_before_the_work(
+    uvshear: Callable, tmp_path: Path, field: Path
+) -> None:
+    elsewhere = tmp_path / "elsewhere.csv"
+    elsewhere.write_text("id,ra,dec,flux\n1,40,-30,50\n2,41,-30,60\n")
+    output = tmp_path / "shapes.fits"
+    words = ("measure", field, "--catalogue", elsewhere, "--flux-unit", "uJy", "-o", output)
+    outcome = uvshear(*words)
+    assert outcome.status == 2
+    assert "no source of the catalogue is in the field: the nearest is 34" in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+    assert not output.exists()
+
+
+def test_fluxes_out_of_proportion_are_the_likely_cause_where_nothing_is_measured(
+    uvshear: Callable, tmp_path: Path, field: Path
+) -> None:
+    """The table is written all the same, so that its flags can be looked at."""
+    janskys = tmp_path / "janskys.csv"
+    janskys.write_text("id,l,m,flux\n1,0.0001,0,50\n2,0,-0.0002,90\n3,0.0002,0.0001,30\n")
+    output = tmp_path / "shapes.fits"
+    words = ("measure", field, "--catalogue", janskys, "--flux-unit", "Jy", "-o", output)
+    outcome = uvshear(*words)
+    assert outcome.status == 2, outcome.out
+    assert "times those of the catalogue's sources; check the unit" in outcome.err
+    assert sum("no galaxy was measured" in line for line in outcome.err.splitlines()) == 1
+    assert "0 of 3 sources measured" in outcome.out
+    assert len(read_shapes(output)) == 3

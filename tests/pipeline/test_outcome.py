@@ -4,7 +4,6 @@ import re
 
 import numpy as np
 import pytest
-from astropy import units
 from astropy.table import Table
 
 from uvshear.errors import InputError
@@ -27,15 +26,8 @@ def _catalogue(ra_deg, dec_deg):
     )
 
 
-def _shapes(flags, flux=20.0, flux_fit=20.0):
-    count = len(flags)
-    return Table(
-        {
-            "flag": flags,
-            "flux": np.full(count, flux) * units.uJy,
-            "flux_fit": np.full(count, flux_fit) * units.uJy,
-        }
-    )
+def _shapes(flags):
+    return Table({"flag": flags})
 
 
 def test_flags_are_counted_the_most_frequent_first():
@@ -60,17 +52,15 @@ def test_right_ascensions_in_hours_are_recognised():
 
 
 @pytest.mark.parametrize(
-    ("flags", "flux_fit", "cause"),
+    ("flags", "cause"),
     [
-        (["ok", "no_peak"], 20.0, None),
-        (["point_source", "point_source"], 20.0, None),
-        (["no_peak", "no_peak", "not_detected"], 20.0, "most sources have the flag no_peak"),
-        (["not_detected", "not_detected"], 2e-5, "about 1e.06 times those in the data"),
-        (["unresolved", "not_converged"], 2e6, "about 1e-05 times those in the data"),
+        (["ok", "no_peak"], None),
+        (["point_source", "point_source"], None),
+        (["no_peak", "no_peak", "not_detected"], "most sources have the flag no_peak"),
     ],
 )
-def test_the_likely_cause_is_named(flags, flux_fit, cause):
-    found = why_none_was_measured(_shapes(flags, flux_fit=flux_fit))
+def test_the_likely_cause_is_named(flags, cause):
+    found = why_none_was_measured(_shapes(flags))
     if cause is None:
         assert found is None
     else:

@@ -44,3 +44,18 @@ def test_cuts_leave_out_what_is_flagged_and_what_is_faint(kept):
 def test_a_mask_of_another_kind_is_refused(kept, where):
     with pytest.raises(InputError, match="where: 7 booleans are needed, one for each row"):
         selected(kept.shapes, where=where)
+
+
+def test_sources_of_low_significance_stay_and_a_cut_by_detection_is_the_user_s(kept):
+    """They are left to the estimator; the mean of ellipticities has a weight of zero for them."""
+    shapes = kept.shapes.copy()
+    is_ok = shapes["flag"] == "ok"
+    flags = np.array(shapes["flag"]).astype("U16")
+    first, second = np.flatnonzero(is_ok)[:2]
+    flags[first], flags[second] = "not_detected", "unresolved"
+    shapes["flag"] = flags
+    assert selected(shapes).tolist() == is_ok.tolist()
+    least = float(np.median(shapes["detection"][is_ok]))
+    assert selected(shapes, detection_min=least).sum() == np.sum(
+        shapes["detection"][is_ok] >= least
+    )

@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from uvshear.errors import DataWarning
+from uvshear.galaxy import SizeFluxRelation
 from uvshear.geometry.directions import PhaseCentre, local_north
 from uvshear.geometry.ellipticity import add_shear, to_field_frame
 from uvshear.interferometer.coverage import Track
@@ -89,3 +91,29 @@ def test_the_noise_is_the_one_that_is_given(plan, catalogue):
     usual = [next(iter(simulate(catalogue, plan, seed=s).chunks())).stokes_i for s in (1, 1, 2)]
     np.testing.assert_array_equal(usual[0], usual[1])
     assert np.any(usual[0] != usual[2])
+
+
+def test_sizes_that_a_catalogue_lacks_are_drawn_and_told(plan):
+    """Galaxies that become points would be measured as unresolved, and their ellipticities follow the beam."""
+    flux = np.full(400, 1e-4)
+    rng = np.random.default_rng(1)
+    sources = Catalogue(
+        identifier=np.arange(400),
+        flux=flux,
+        spectral_index=np.full(400, -0.7),
+        l=rng.uniform(-1e-3, 1e-3, 400),
+        m=rng.uniform(-1e-3, 1e-3, 400),
+        is_point=np.arange(400) < 10,
+    )
+    with pytest.warns(DataWarning, match="no column scale_length"):
+        observation = simulate(sources, plan, seed=5)
+    drawn = observation.galaxies.scale_length
+    assert np.all(drawn[:10] == 0)
+    relation = SizeFluxRelation()
+    prior = relation.prior(flux[:1])
+    pulls = (np.log(drawn[10:]) - prior.log_median[0]) / prior.sigma[0]
+    assert abs(pulls.mean()) < 3 / np.sqrt(390)
+    assert abs(pulls.std() - 1) < 3 / np.sqrt(2 * 390)
+    with pytest.warns(DataWarning):
+        again = simulate(sources, plan, seed=5)
+    np.testing.assert_array_equal(again.galaxies.scale_length, drawn)

@@ -251,8 +251,8 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=RESOURCES,
-            help="Memory for intermediate results that would otherwise be recomputed [GB]; by default half of the"
-            " machine's memory.",
+            help="Memory for the visibilities and images that are processed at the same time [GB]; by default half"
+            " of the machine's memory. Results do not depend on it.",
         ),
     ] = None,
 ) -> None:

@@ -22,7 +22,7 @@ class Resources:
     executor
         Executor of everything that can be done in parallel; threads on all cores unless given.
     memory
-        Memory for intermediate results that would otherwise be computed again [bytes]; half of the machine's memory
+        Memory for the visibilities and images that are processed at the same time [bytes]; half of the machine's memory
         unless given.
     """
 

@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from uvshear.diagnostics.flux_scale import flux_scale
 from uvshear.diagnostics.uvw_sign import opposite_sign_significance
 from uvshear.execution import Executor
 from uvshear.extraction import Model
@@ -90,6 +91,25 @@ class DataChecks:
                     f" opposite sign, by {by:.0f} standard errors; with the present one, sources appear rotated by 180"
                     " degrees about the phase centre (give --conjugate, or leave it out if it is given, to reverse the"
                     " sign; in Python, change Reading.conjugates)"
+                )
+        return tuple(found)
+
+    def flux_warnings(self, sky: Galaxies) -> tuple[str, ...]:
+        """Return one line for each part whose visibilities are out of proportion to the catalogue's fluxes."""
+        brightest = _with_flux(sky)
+        brightest = brightest.select(np.argsort(-brightest.flux)[:MOST_SOURCES])
+        if not len(brightest):
+            return ()
+        found = []
+        for part, sample in zip(parts_of(self.observation), self.samples, strict=True):
+            if sample is None:
+                continue
+            seen = _affordable(sample, brightest).here
+            scale = flux_scale(seen, self._predict(brightest, seen))
+            if scale is not None:
+                found.append(
+                    f"{origin_of(part).name}: the visibilities are about {scale:.0e} times those of the catalogue's"
+                    " sources; check the unit of the catalogue's fluxes"
                 )
         return tuple(found)
 

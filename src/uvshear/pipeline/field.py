@@ -97,6 +97,8 @@ def field_of_catalogue(
 
 def _check_spectra(sources: Catalogue, summary: ObservationSummary) -> None:
     """Refuse spectra that change the flux by more than ``LARGEST_CHANGE`` between their reference and the band."""
+    if len(sources) == 0:
+        return
     farthest = max(
         (summary.lowest_frequency, summary.frequency),
         key=lambda frequency: abs(np.log(frequency / sources.reference_frequency)),

@@ -87,9 +87,10 @@ def measure(
     )
     sources = catalogue_of(catalogue)
     prepared = Prepared.from_observation(observation_of(observation), sources, options)
-    for text in (*prepared.first.warnings, *prepared.checks.sign_warnings(prepared.field.sky)):
-        warnings.warn(text, DataWarning, stacklevel=2)
     check_field(sources, prepared.observation.phase_centre, prepared.field.flags)
+    checks, sky = prepared.checks, prepared.field.sky
+    for text in (*prepared.first.warnings, *checks.sign_warnings(sky), *checks.flux_warnings(sky)):
+        warnings.warn(text, DataWarning, stacklevel=2)
     prepared, extracted = _extract_with_noise(prepared, progress)
     for text in prepared.checks.noise_warnings(extracted.sky, extracted.uv_range):
         warnings.warn(text, DataWarning, stacklevel=2)

@@ -8,11 +8,7 @@ from astropy.table import Table
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre, direction_cosines
 from uvshear.io.catalogue import Catalogue
-from uvshear.io.shapes import inside
 from uvshear.shapes.measurement import FitFlag
-
-OUT_OF_PROPORTION = 100.0
-"""Factor between the fluxes in the catalogue and those in the data from which on their units are in doubt."""
 
 GONE = frozenset({FitFlag.OUTSIDE_FIELD, FitFlag.BELOW_HORIZON})
 
@@ -65,11 +61,6 @@ def why_none_was_measured(shapes: Table) -> str | None:
     is_galaxy = flags != FitFlag.POINT_SOURCE.word
     if not is_galaxy.any() or np.any(flags == FitFlag.OK.word):
         return None
-    ratio = inside(shapes, "flux") / inside(shapes, "flux_fit")
-    ratio = ratio[np.isfinite(ratio) & (ratio > 0)]
-    off = float(np.median(ratio)) if len(ratio) else 1.0
-    if max(off, 1 / off) > OUT_OF_PROPORTION:
-        return f"the fluxes of the catalogue are about {off:.0e} times those in the data; check their unit"
     word = max(set(flags[is_galaxy]), key=list(flags[is_galaxy]).count)
     flag = next(flag for flag in FitFlag if flag.word == word)
     return f"most sources have the flag {word} ({flag.value})"

@@ -38,9 +38,10 @@ def tabulate_shapes(
 
 
 def _neighbour_distances(field: Field) -> Float[Array, " source"]:
-    """Distance of each source from the nearest other source that is modelled [rad]; NaN where there is none."""
+    """Distance of each modelled source from the nearest other one [rad]; infinite where there is none."""
     place = np.column_stack([field.l, field.m])
     distance = np.full(len(place), np.nan)
+    distance[field.modelled] = np.inf
     if len(field.modelled) > 1:
         nearest, _ = cKDTree(place[field.modelled]).query(place[field.modelled], k=2)
         distance[field.modelled] = nearest[:, 1]

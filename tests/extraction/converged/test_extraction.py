@@ -1,5 +1,6 @@
 """All sources of a field together: what the catalogue has right, and what it has wrong."""
 
+import tracemalloc
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +20,7 @@ from uvshear.galaxy import CatalogueSize
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.predict import gridded, predict_visibilities
+from uvshear.shapes.measurement import FitFlag
 
 FREQUENCY = np.array([1.35e9, 1.45e9])
 SIGMA = 1e-4
@@ -123,6 +125,31 @@ def test_memory_threads_and_chunks_change_no_bit_of_shapes_and_statistics(array,
         for name, value in numbers.items():
             assert np.array_equal(others[name], value), name
         assert {numbers[f"flag_{each.name}"] for each in kept} == {"ok"}
+
+
+def test_a_disc_of_25_arcsec_takes_neither_the_memory_nor_the_shapes_of_the_others(array, shapes):
+    """The width of its facet would give moments and metacalibration 2e5 and 1e5 unknowns."""
+    disc = galaxies(l=-2 * ARCMIN, m=-1.5 * ARCMIN, flux=4e-3, alpha=25 * ARCSEC, e=0.2 + 0.1j)
+    sky = _joined(SKY, disc)
+    estimators = (Moments(), Metacal(), Bayesian())
+    options = replace(OPTIONS, resources=Resources(SERIAL, 1e8), keep=estimators)
+    tracemalloc.start()
+    extracted = extract(_observe(sky, array), catalogue_from_galaxies(sky, array[1]), options)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 0.5e9  # measured 0.05e9
+    for source in range(len(SKY)):
+        shape = extracted.measurements[source]
+        for e, name in zip(shape.ellipticity, ("e1", "e2"), strict=True):
+            # measured 0.02
+            assert abs(e - shapes[name][source]) < 0.1 * shapes[f"{name}_err"][source]
+        assert all(extracted.kept[source][f"flag_{each.name}"] == "ok" for each in estimators)
+    measured, kept = extracted.measurements[len(SKY)], extracted.kept[len(SKY)]
+    assert measured.flag is FitFlag.OK
+    assert abs(complex(*measured.ellipticity) - (0.2 + 0.1j)) < 4 * measured.e_sigma
+    assert kept["flag_moments"] == kept["flag_metacal"] == "too_large"
+    assert "m1" not in kept
+    assert "mc1" not in kept
 
 
 def test_a_source_that_is_there_twice_is_left_out_once(array, shapes):

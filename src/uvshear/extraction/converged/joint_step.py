@@ -31,6 +31,9 @@ SMALLEST_STEP = 0.2
 AT_THE_EDGE = 0.99
 """Ellipticity, over the largest that is allowed, above which a source does not take part in the step."""
 
+SMALLEST_INFORMATION = 1e-200
+"""Diagonal element of a Fisher matrix, in the unit of its parameter, that is no more than rounding."""
+
 _SOLVED = 1e-3
 _MOST_ITERATIONS = 200
 
@@ -96,11 +99,15 @@ def solve_jointly(
 ) -> Float[Array, "source 6"]:
     """Solve (F + DAMPING diag F) step = gradient by conjugate gradients, with some sources fixed.
 
-    A system that has no solution moves no source.
+    A system that has no solution moves no source. Parameters on which there is no information stay as they are; that
+    of a source without flux, for example, may be zero or less by rounding.
     """
     own = np.array([source.information for source in equations])
-    gradient = np.array([source.gradient for source in equations])
-    scale = np.sqrt(np.maximum(np.einsum("sii->si", own), 1e-300))
+    diagonal = np.einsum("sii->si", own)
+    is_known = diagonal > SMALLEST_INFORMATION
+    gradient = np.where(is_known, [source.gradient for source in equations], 0.0)
+    scale = np.sqrt(np.where(is_known, diagonal, 1.0))
+    own = np.where(is_known[:, :, None] & is_known[:, None, :], own, 0.0)
     own = own / (scale[:, :, None] * scale[:, None, :])
     own += np.where(is_fixed, _FIXED, DAMPING)[:, None, None] * np.eye(PARAMETERS)
     near = couplings.blocks_with_diagonal(own, scale, flux)

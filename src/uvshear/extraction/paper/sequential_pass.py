@@ -1,7 +1,7 @@
 """Passes over the sources of a field in decreasing flux."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -126,6 +126,8 @@ class SequentialPass:
         prior, profile = self._prior(source), self.setting.model.profile
         correction = float(self.field.weight_correction[source])
         shape = measure_shape(facet, prior, profile, start, information_fraction=correction)
+        # The neighbours are taken as known.
+        shape = replace(shape, quality=replace(shape.quality, error_widening=1.0))
         return with_significance(shape, facet, prior, profile, correction)
 
     def _prior(self, source: int) -> ShapePrior:
