@@ -22,8 +22,10 @@ _REACH, _EDGE = 6.5, 5.0
 likelihood vanish, which is known out to four. Without the window a likelihood that ends at 5 sigma, at 4e-6 of its
 maximum, adds 5e-5/sigma^2 to the curvature, whose mean is 20."""
 
-_RADII, _ANGLES = 20, 32
-"""Fewest nodes along the radius and along the angle, which resolve the population."""
+_RADII, _ANGLES = 24, 64
+"""Fewest nodes along the radius and along the angle, which resolve the population and the ridges of faint likelihoods.
+
+With 20 and 32 one curvature of 220 at 10 to 20 uJy was wrong by 6 (and their mean, 5, by 1 per cent)."""
 
 _SPACING, _FINE, _NARROW = 0.8, 0.3, 0.03
 """Largest distance between nodes in standard deviations of e, and the distance for standard deviations below the last
