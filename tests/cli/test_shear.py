@@ -270,7 +270,7 @@ def test_a_population_that_does_not_fit_is_told(
     estimate = json.loads(output.read_text())
     (remark,) = estimate["remarks"]
     assert f"uvshear: note: {remark}" in outcome.err
-    assert "is not that of these galaxies: their sizes are about 0.5 times" in remark
+    assert "is not that of these galaxies: their sizes are about 0.5" in remark
     assert estimate["goodness"]["size"]["median_log_shift"] == pytest.approx(np.log(0.5), abs=0.1)
     assert estimate["goodness"]["n"] == 110
 
@@ -299,7 +299,7 @@ def test_a_fitted_population_is_told_and_can_be_given_again(
     assert again["prior"] == "file"
     # at the fit the scores add up to zero
     assert abs(again["goodness"]["size"]["median_log_shift"]) < 0.02
-    assert paper["goodness"]["size"]["median_log_shift"] > 0.1
+    assert paper["goodness"]["size"]["median_log_shift"] > 0.05
     assert "size" not in fitted["goodness"]
     assert fitted["remarks"] == again["remarks"] == []
     assert again["g1"] == pytest.approx(fitted["g1"], abs=1e-12)
