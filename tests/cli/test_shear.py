@@ -55,7 +55,9 @@ def test_the_shear_is_told_and_written(uvshear: Callable, tmp_path: Path, shapes
     estimate = json.loads(output.read_text())
     names = ["g1", "g1_err", "g2", "g2_err", "n", "estimator", "frame"]
     made = ["version", "command", "inputs", "options", "date"]
-    assert list(estimate) == [*names, *made, "cuts", "seed", "calibration", "bins"]
+    rest = ["cuts", "seed", "calibration", "goodness", "remarks", "bins"]
+    assert list(estimate) == [*names, *made, *rest]
+    assert (estimate["goodness"], estimate["remarks"]) == (None, [])
     assert estimate["frame"] == "sky"
     assert estimate["command"] == "uvshear shear"
     assert estimate["inputs"] == [str(shapes)]
@@ -248,6 +250,31 @@ def test_likelihoods_kept_become_a_shear(uvshear: Callable, tmp_path: Path, like
     assert abs(estimate["g2"]) < 0.5 * estimate["g2_err"]
 
 
+def test_a_population_that_does_not_fit_is_told(
+    uvshear: Callable, tmp_path: Path, shapes: Path
+) -> None:
+    """These galaxies are half as large as the paper's."""
+    rng = np.random.default_rng(9)
+    e = 0.2 * (rng.normal(size=110) + 1j * rng.normal(size=110))
+    size = np.log(0.5) + POPULATION.size.sigma * rng.normal(size=110)
+    _keep(
+        shapes,
+        {
+            k: pack(Toy(complex(a), 0.05, size=float(b), size_sigma=0.05, slope=0).on_lattice())
+            for k, (a, b) in enumerate(zip(e, size, strict=True))
+        },
+    )
+    output = tmp_path / "shear.json"
+    outcome = uvshear("shear", shapes, "--estimator", "bayesian", "-o", output)
+    assert outcome.status == 0
+    estimate = json.loads(output.read_text())
+    (remark,) = estimate["remarks"]
+    assert f"uvshear: note: {remark}" in outcome.err
+    assert "is not that of these galaxies: their sizes are about 0.5" in remark
+    assert estimate["goodness"]["size"]["median_log_shift"] == pytest.approx(np.log(0.5), abs=0.1)
+    assert estimate["goodness"]["n"] == 110
+
+
 def test_a_fitted_population_is_told_and_can_be_given_again(
     uvshear: Callable, tmp_path: Path, shapes: Path
 ) -> None:
@@ -270,6 +297,11 @@ def test_a_fitted_population_is_told_and_can_be_given_again(
     assert f"size intercept = {size['intercept']:.3f} +- {size['intercept_err']:.3f}" in told
     again, _ = found("again.json", tmp_path / "fitted.json")
     assert again["prior"] == "file"
+    # at the fit the scores add up to zero
+    assert abs(again["goodness"]["size"]["median_log_shift"]) < 0.02
+    assert paper["goodness"]["size"]["median_log_shift"] > 0.05
+    assert "size" not in fitted["goodness"]
+    assert fitted["remarks"] == again["remarks"] == []
     assert again["g1"] == pytest.approx(fitted["g1"], abs=1e-12)
     assert abs(again["g1"] - paper["g1"]) > 1e-3
 

@@ -255,3 +255,37 @@ def test_the_meter_counts_sources_in_every_round():
     total = 3 * (PART + 2)
     assert told[-1] == (total, total)
     assert [done for done, _ in told[:2]] == [PART, PART + 2]
+
+
+class Cancelling(Estimator):
+    """Responses of both signs, which add up to almost nothing."""
+
+    name = "cancelling"
+
+    def terms(self, sample, about):
+        return Terms(sample["value"], sample["response"])
+
+
+def _cancelling(number, rng):
+    sign = np.where(np.arange(number) % 2, 1.0, -1.0) + 1e-3
+    return sign[:, None, None] * np.eye(2), rng.normal(size=(number, 2))
+
+
+def test_an_absurd_error_is_told_and_its_bin_is_left_out():
+    rng = np.random.default_rng(3)
+    response, value = _cancelling(80, rng)
+    # the brighter forty have an ordinary response
+    response[40:] = np.eye(2)
+    flux = np.where(np.arange(80) < 40, 15e-6, 30e-6)
+    columns = {"value": 0.1 * value, "response": response, "flux": flux}
+    found = estimate_sample_shear(Cancelling(), Sample(columns, np.zeros(80)))
+    assert list(found.bins) == ["20-50 uJy"]
+    (remark,) = found.remarks
+    assert remark.startswith("the galaxies of 10-20 uJy do not determine a shear")
+    assert remark.endswith("this bin is left out")
+    faint = {name: values[:40] for name, values in columns.items()}
+    worst = estimate_sample_shear(Cancelling(), Sample(faint, np.zeros(40)))
+    assert worst.error > 1
+    assert worst.remarks[0].startswith(
+        "these galaxies do not determine a shear: its standard error"
+    )

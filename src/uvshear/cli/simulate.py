@@ -2,6 +2,7 @@
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 import math
+import warnings
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -29,8 +30,8 @@ from uvshear.cli.options import (
 )
 from uvshear.cli.panels import ARRAY, DATA, MODEL, NOISE, SKY
 from uvshear.cli.registered import PROFILES, profile_named_by_option
-from uvshear.cli.terminal import notes_of_warnings, progress_bar, say
-from uvshear.errors import InputError
+from uvshear.cli.terminal import progress_bar, say, warn
+from uvshear.errors import DataWarning, InputError
 
 if TYPE_CHECKING:
     from uvshear.geometry.directions import PhaseCentre
@@ -285,7 +286,8 @@ def simulate(
         is_averaged=smearing,
         primary_beam=beam_of_dishes(primary_beam, lambda: array.diameters),
     )
-    with notes_of_warnings():
+    with warnings.catch_warnings(record=True) as noted:
+        warnings.simplefilter("always", DataWarning)
         observation = simulate_observation(
             sources,
             plan,
@@ -304,6 +306,8 @@ def simulate(
             executor=executor,
             progress=progress,
         )
+    for note in noted:
+        warn(str(note.message))
     rows, sources_there = len(observation.coverage), len(observation.galaxies)
     say(f"{output}: {rows} rows, {channels} channels, {sources_there} galaxies")
 

@@ -10,7 +10,12 @@ from uvshear.estimators.estimator import Estimator
 from uvshear.estimators.evidence import gradient_and_curvature
 from uvshear.estimators.packing import PACKED, pack, unpack
 from uvshear.estimators.population import UnlensedPopulation
-from uvshear.estimators.population_fit import FittedPopulation, fit_population
+from uvshear.estimators.population_fit import (
+    FittedPopulation,
+    fit_population,
+    parameter_count,
+    population_scores,
+)
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.shape_likelihood import ShapeLikelihood
 from uvshear.estimators.terms import Terms, shear_in_field_frame
@@ -20,7 +25,7 @@ from uvshear.shapes.interpolative import DecompositionCache
 from uvshear.shapes.likelihood import sample_likelihood
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.shapes.statistic_flag import StatisticFlag
-from uvshear.typing import Array, Complex
+from uvshear.typing import Array, Complex, Float
 
 LIKELIHOOD: Final = "likelihood"
 """Column of a simulated sample that holds likelihoods without packing."""
@@ -116,6 +121,19 @@ class Bayesian(Estimator):
                     likelihood, self.population, complex(about[k])
                 )
         return Terms(value, response)
+
+    def scores(
+        self, sample: Sample, about: Complex[Array, " source"]
+    ) -> Float[Array, "source parameter"]:
+        """Return the gradients by the parameters of the population; none by those of a fitted one."""
+        if self.fitted is not None:
+            return np.zeros((len(sample), 0))
+        found = np.full((len(sample), parameter_count(self.population)), np.nan)
+        for k, likelihood in enumerate(likelihoods_of(sample)):
+            if likelihood is not None:
+                pair = (likelihood, complex(about[k]))
+                found[k] = population_scores([pair], self.population, Meter(None))[0]
+        return found
 
     @property
     def is_learning(self) -> bool:

@@ -8,13 +8,14 @@ import numpy as np
 from uvshear.errors import InputError
 from uvshear.estimators.estimator import Estimator
 from uvshear.estimators.flux_bins import FLUX_BINS
+from uvshear.estimators.goodness import PopulationGoodness
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.shear_estimate import ShearEstimate
 from uvshear.estimators.terms import Terms, shear_in_field_frame
 from uvshear.estimators.uncertainty import ratio, ratio_error
 from uvshear.execution import SERIAL, Executor
 from uvshear.progress import Meter
-from uvshear.typing import Array, Bool, Int
+from uvshear.typing import Array, Bool, Float, Int
 
 ROUNDS = 3
 """Iterations of the expansion about the estimate; the remaining error is of fourth order in that of the first."""
@@ -56,16 +57,25 @@ def estimate_sample_shear(
                 " fitted, and the stored statistics depend on that population; fit it first, and measure again with the"
                 " fitted population"
             )
-        (first,) = _estimates(estimator, sample, [slice(None)], executor, meter)
+        ((first, _),) = _estimates(estimator, sample, [slice(None)], executor, meter)
         estimator = estimator.trained(sample, _known(first, sample).shear, meter)
-    bins = _bins(sample)
-    total, *parts = _estimates(estimator, sample, [slice(None), *bins.values()], executor, meter)
-    found = {
+    masks = _bins(sample)
+    (total, terms), *parts = _estimates(
+        estimator, sample, [slice(None), *masks.values()], executor, meter
+    )
+    bins = {
         name: part
-        for name, part in zip(bins, parts, strict=True)
+        for name, (part, _) in zip(masks, parts, strict=True)
         if part is not None and part.n >= FEWEST
     }
-    return replace(_known(total, sample), bins=found, assumed=estimator.record())
+    found = _known(total, sample)
+    scores = _scores(estimator, sample, found.shear, executor, meter)
+    return replace(
+        found,
+        bins={name: part for name, part in bins.items() if part.is_determined},
+        assumed=estimator.record(),
+        goodness=None if scores is None else PopulationGoodness.from_terms(terms, scores),
+    ).with_remarks(bins)
 
 
 def _known(estimate: ShearEstimate | None, sample: Sample) -> ShearEstimate:
@@ -91,8 +101,11 @@ def _estimates(
     groups: Sequence[Bool[Array, " source"] | slice],
     executor: Executor,
     meter: Meter,
-) -> list[ShearEstimate | None]:
-    """Estimate the shear of each group of sources; None for a group to which fewer than ``LEAST`` contribute."""
+) -> list[tuple[ShearEstimate | None, Terms]]:
+    """Estimate the shear of each group of sources; None for a group to which fewer than ``LEAST`` contribute.
+
+    The terms of the group come with it.
+    """
     members = [sample.select(group) for group in groups]
     further = ROUNDS - 1 if estimator.is_expanded else 0
     meter.expect(len(sample) + further * sum(map(len, members)))
@@ -107,7 +120,7 @@ def _estimates(
         ]
         terms = _terms_about(estimator, members, about, executor, meter)
     return [
-        _estimate(estimator, each, g, group.patch)
+        (_estimate(estimator, each, g, group.patch), each)
         for each, g, group in zip(terms, about, members, strict=True)
     ]
 
@@ -179,6 +192,33 @@ def _terms_of_part(estimator: Estimator, task: tuple[Sample, complex]) -> Terms:
     part, about = task
     local = shear_in_field_frame(about, part.local_north)
     return estimator.terms(part, local).in_sky_frame(part.local_north)
+
+
+def _scores(
+    estimator: Estimator, sample: Sample, about: complex, executor: Executor, meter: Meter
+) -> Float[Array, "source parameter"] | None:
+    """Return the scores of the assumed population for every source; None if the estimator assumes none."""
+    if estimator.scores(sample.select(slice(0)), np.zeros(0, complex)) is None:
+        return None
+    meter.expect(len(sample))
+    shear = within_reach(about)
+    parts = [sample.select(slice(first, first + PART)) for first in range(0, len(sample), PART)]
+    runner = executor if len(parts) > 1 else SERIAL
+    found = []
+    for scores in runner.distribute(_scores_of_part, estimator, [(part, shear) for part in parts]):
+        found.append(scores)
+        meter.add(len(scores))
+    return np.concatenate(found)
+
+
+def _scores_of_part(
+    estimator: Estimator, task: tuple[Sample, complex]
+) -> Float[Array, "source parameter"]:
+    part, about = task
+    scores = estimator.scores(part, shear_in_field_frame(about, part.local_north))
+    if scores is None:
+        raise TypeError(f"the estimator '{estimator.name}' has scores of no source, but not of all")
+    return scores
 
 
 def within_reach(shear: complex) -> complex:

@@ -10,7 +10,7 @@ from uvshear.progress import Meter
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.shapes.statistic_flag import StatisticFlag
 from uvshear.shapes.table_row import shape_values
-from uvshear.typing import Array, Complex
+from uvshear.typing import Array, Complex, Float
 
 
 class Estimator(ABC):
@@ -72,6 +72,29 @@ class Estimator(ABC):
         -------
             Terms in the frame of (l, m); NaN where a source has none.
         """
+
+    def scores(
+        self, sample: Sample, about: Complex[Array, " source"]
+    ) -> Float[Array, "source parameter"] | None:
+        """Return the gradient of every source's log probability by the parameters of the assumed population.
+
+        They are for a test of the population (``estimators.goodness``). An estimator that returns them has the gradient
+        and the curvature of the log probability for its terms.
+
+        Parameters
+        ----------
+        sample
+            Sources as for :meth:`terms`.
+        about
+            Shear at each source, in the frame of (l, m).
+
+        Returns
+        -------
+            Gradients in the order of ``goodness.PARTS``, without those of parameters that were fitted to the sample;
+            NaN where a source has none. None unless the estimator assumes a population.
+        """
+        del sample, about
+        return None
 
     @property
     def is_learning(self) -> bool:

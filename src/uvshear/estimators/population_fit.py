@@ -118,7 +118,7 @@ def fit_population(
     InputError
         There are fewer than ten galaxies for each parameter, or no maximum was found.
     """
-    count = 4 if isinstance(start.ellipticity, DiscEllipticityPrior) else 2
+    count = parameter_count(start)
     if len(galaxies) < 10 * count:
         raise InputError(
             f"{len(galaxies)} galaxies are too few to fit a population; {10 * count} or more are needed"
@@ -127,7 +127,7 @@ def fit_population(
     meter.expect(_FORESEEN * len(galaxies))
     theta = np.zeros(count)
     for _ in range(_ROUNDS):
-        scores = _scores(galaxies, moved(start, theta), count, meter)
+        scores = population_scores(galaxies, moved(start, theta), meter)
         covariance = np.linalg.inv(scores.T @ scores + np.eye(count) / LIKENESS**2)
         step = covariance @ (scores.sum(axis=0) - theta / LIKENESS**2)
         is_there = bool(np.all(np.abs(step) < _TOLERANCE * np.sqrt(np.diag(covariance))))
@@ -140,13 +140,16 @@ def fit_population(
     )
 
 
-def _scores(
-    galaxies: Sequence[LensedLikelihood],
-    population: UnlensedPopulation,
-    count: int,
-    meter: Meter,
+def parameter_count(population: UnlensedPopulation) -> int:
+    """Return the number of parameters of a population that can be fitted."""
+    return 4 if isinstance(population.ellipticity, DiscEllipticityPrior) else 2
+
+
+def population_scores(
+    galaxies: Sequence[LensedLikelihood], population: UnlensedPopulation, meter: Meter
 ) -> Float[Array, "galaxy parameter"]:
     """Return the gradient of each galaxy's log evidence; zero where the population has no such galaxy."""
+    count = parameter_count(population)
     # The derivatives by the two parameters of the size need no differences.
     steps = DIFFERENCE * np.eye(count)[2:]
     sides = [

@@ -38,6 +38,8 @@ def write_shear(
         "cuts": cuts,
         "seed": made.options.get("seed", estimate.seed),
         "calibration": estimate.correction,
+        "goodness": None if estimate.goodness is None else estimate.goodness.record(),
+        "remarks": list(estimate.remarks),
         "bins": [{"flux": name, **part.numbers()} for name, part in estimate.bins.items()],
     }
     write_json(Path(path), record, overwrite=overwrite)

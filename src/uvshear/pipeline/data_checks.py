@@ -5,7 +5,7 @@ of these visibilities and no further reading.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
@@ -95,9 +95,13 @@ class DataChecks:
         return tuple(found)
 
     def flux_warnings(self, sky: Galaxies) -> tuple[str, ...]:
-        """Return one line for each part whose visibilities are out of proportion to the catalogue's fluxes."""
+        """Return one line for each part whose visibilities are out of proportion to the catalogue's fluxes.
+
+        The sources are taken as points: where sizes follow from the fluxes, these would be wrong, too.
+        """
         brightest = _with_flux(sky)
         brightest = brightest.select(np.argsort(-brightest.flux)[:MOST_SOURCES])
+        brightest = replace(brightest, scale_length=np.zeros(len(brightest)))
         if not len(brightest):
             return ()
         found = []

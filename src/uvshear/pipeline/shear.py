@@ -1,12 +1,13 @@
 """Estimation of a shear from a measurement."""
 
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
 from astropy.table import Table
 
-from uvshear.errors import InputError
+from uvshear.errors import DataWarning, InputError
 from uvshear.estimators import Bias, ShearEstimate, estimate_sample_shear, estimator_of
 from uvshear.estimators.bias_removal import check_removable, remove_bias
 from uvshear.estimators.patches import sky_patches
@@ -68,7 +69,8 @@ def estimate_shear(  # noqa: PLR0913 - the cuts are arguments of their own
     Warns
     -----
     DataWarning
-        The cut ``snr_min`` of the bias was one on the catalogue's flux, whereas that of the shear is one on the fit.
+        The cut ``snr_min`` of the bias was one on the catalogue's flux, whereas that of the shear is one on the fit;
+        the population that the estimator assumes does not fit the galaxies; or the galaxies do not determine the shear.
     """
     method = estimator_of(estimator)
     bias, name = _bias_of(correction)
@@ -91,6 +93,8 @@ def estimate_shear(  # noqa: PLR0913 - the cuts are arguments of their own
         l, m = (inside(known.shapes, name)[chosen] for name in ("l", "m"))
         sample = replace(sample, patch=sky_patches(l, m, patches))
     found = estimate_sample_shear(method, sample, executor, Meter(progress))
+    for remark in found.remarks:
+        warnings.warn(remark, DataWarning, stacklevel=2)
     found = replace(found, seed=getattr(method, "seed", None), conditions=conditions)
     return found if bias is None else replace(remove_bias(bias, found), correction=name)
 

@@ -71,12 +71,8 @@ def simulate(
     """
     profile = profile or Exponential()
     sources = catalogue_of(catalogue)
-    if sources.scale_length is None and not _all_points(sources):
-        warnings.warn(
-            "the catalogue has no column scale_length: the sizes of its galaxies are drawn from the size-flux relation",
-            DataWarning,
-            stacklevel=2,
-        )
+    lacks_sizes = sources.scale_length is None and not _all_points(sources)
+    if lacks_sizes:
         sources = replace(sources, scale_length=_drawn_sizes(sources, seed))
     galaxies = sources.galaxies(plan.track.phase_centre)
     north = local_north(plan.track.phase_centre, galaxies.l, galaxies.m)
@@ -89,6 +85,13 @@ def simulate(
     noise = noise or GalaxyNoise()
     if isinstance(noise, GalaxyNoise):
         noise = noise.scaled_to(coverage, plan.channels, profile, executor)
+    # What is wrong is said before.
+    if lacks_sizes:
+        warnings.warn(
+            "the catalogue has no column scale_length: the sizes of its galaxies are drawn from the size-flux relation",
+            DataWarning,
+            stacklevel=2,
+        )
     return SimulatedObservation(
         coverage=coverage,
         channels=plan.channels,
