@@ -30,8 +30,8 @@ from uvshear.typing import Array, Complex, Float
 _LONGEST = REACH * WIDEST * (1 + STEP)
 """Longest baseline that a round beam may need [wavelengths]."""
 
-_MOST_BEAMS = 2
-"""Largest number of round beams that are kept, each up to 0.1 GB; sources with the same beam come one after another."""
+_MEMORY = 0.15e9
+"""Memory for the round beams that are kept [bytes]; that of a galaxy of usual size takes 10 MB, the largest 0.1 GB."""
 
 _Measure: TypeAlias = Callable[[Facet], Float[Array, " 2"] | None]
 
@@ -54,7 +54,7 @@ class Metacal(Estimator):
     wrapped: Estimator = field(default_factory=Mean)
     seed: int = 1
     _beams: KeptOnce["_RoundBeam"] = field(
-        default_factory=lambda: KeptOnce(_MOST_BEAMS), repr=False, compare=False
+        default_factory=lambda: KeptOnce(_MEMORY, _RoundBeam.size_of), repr=False, compare=False
     )
 
     name = "metacal"
@@ -155,6 +155,10 @@ class _RoundBeam:
 
     metacalibration: Metacalibration
     cells: Cutout
+
+    def size_of(self) -> float:
+        """Return the memory that the round beam takes [bytes]."""
+        return self.metacalibration.size_of()
 
     @classmethod
     def behind(cls, facet: Facet, cells: Cutout) -> Self:

@@ -24,8 +24,8 @@ RESPONSE = 1.5
 _LONGEST = 1.5 * REACH * SCALE
 """Longest baseline to which the weight function may reach [wavelengths], whatever the error of the position."""
 
-_MOST_FUNCTIONALS = 64
-"""Largest number of functionals that are kept, each a few hundred kilobytes."""
+_MEMORY = 0.05e9
+"""Memory for the functionals that are kept [bytes]; one takes a few hundred kilobytes."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,9 @@ class Moments(Estimator):
 
     position_sigma: float = 0.0
     _functionals: KeptOnce[MomentFunctional] = field(
-        default_factory=lambda: KeptOnce(_MOST_FUNCTIONALS), repr=False, compare=False
+        default_factory=lambda: KeptOnce(_MEMORY, MomentFunctional.size_of),
+        repr=False,
+        compare=False,
     )
 
     name = "moments"

@@ -120,6 +120,10 @@ class EvenPart:
         matrix[np.diag_indices_from(matrix)] = diagonal + self._ridge
         self._factor = cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
 
+    def size_of(self) -> float:
+        """Return the memory that the factor of the matrix takes [bytes]."""
+        return self._factor[0].nbytes
+
     def weights(self, targets: Float[Array, "target pixel"]) -> Float[Array, "target cell"]:
         """Weights on the data that sum to functionals with these values for points at the disc's pixels."""
         solutions = cho_solve(self._factor, targets.T).T

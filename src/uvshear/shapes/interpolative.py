@@ -46,8 +46,8 @@ MOST_CELLS = 20_000
 """Largest number of cells of a facet that is decomposed, which takes 0.3 GB then. The facet of a galaxy of usual size
 has 7000; wider facets are those of bright galaxies, whose likelihoods are mostly computed without a decomposition."""
 
-_MOST_KEPT = 4
-"""Largest number of decompositions that are kept, each up to 50 MB."""
+_MEMORY = 0.25e9
+"""Memory for the decompositions that are kept [bytes]; that of a galaxy of usual size takes 16 MB."""
 
 _CELLS_AT_A_TIME = 4096
 """Number of cells on which all templates are evaluated at a time."""
@@ -98,6 +98,10 @@ class TemplateDecomposition:
 
     values: InterpolativeDecomposition
     squares: InterpolativeDecomposition
+
+    def size_of(self) -> float:
+        """Return the memory that the decomposition takes [bytes]."""
+        return self.values.coefficients.nbytes + self.squares.coefficients.nbytes
 
     @classmethod
     def from_facet(
@@ -207,7 +211,9 @@ class DecompositionCache:
 
     def __init__(self, profile: Profile) -> None:
         self._profile = profile
-        self._kept: KeptOnce[TemplateDecomposition] = KeptOnce(_MOST_KEPT)
+        self._kept: KeptOnce[TemplateDecomposition] = KeptOnce(
+            _MEMORY, TemplateDecomposition.size_of
+        )
 
     def maker_for(
         self, facet: Facet, cells: Hashable, prior: ShapePrior

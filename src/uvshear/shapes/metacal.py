@@ -115,6 +115,10 @@ class Metacalibration:
         # The power is such that it describes the noise of the facets on average.
         self._beam = taper * (np.sum(taper[few]) / np.sum(taper[few] ** 2 * noise))
 
+    def size_of(self) -> float:
+        """Return the memory that the matrices take [bytes]."""
+        return self._even.size_of() + self._odd.size_of()
+
     def sheared_facets(
         self, correlation: Complex[Array, " cell"], noise: Complex[Array, " cell"]
     ) -> ShearedFacets:

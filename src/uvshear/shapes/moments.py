@@ -138,6 +138,10 @@ class MomentFunctional:
         shown = self._weights[[0, 1, 6]]
         self._covariance = (shown * np.abs(power)) @ shown.T
 
+    def size_of(self) -> float:
+        """Return the memory that the functional takes [bytes]."""
+        return self._weights.nbytes + self._cells.nbytes
+
     def measure(self, correlation: Complex[Array, " cell"]) -> MeasuredMoments:
         """Return the moments of the data of one facet about its centre."""
         m1, m2, r11, r12, r22, third, size = (
