@@ -1,10 +1,10 @@
-"""Checks of the data against a sky: the sign of UVW, and the noise; the latter corrects weights that are to fit it.
+"""Checks of the data against a sky: the sign of UVW, the unit of fluxes, and the noise, which may correct weights.
 
-Both work on the few thousand visibilities of each part that the first pass has drawn, so that they cost one prediction
+They work on the few thousand visibilities of each part that the first pass has drawn, so that they cost one prediction
 of these visibilities and no further reading.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
@@ -30,7 +30,7 @@ from uvshear.predict.response import Response
 from uvshear.typing import Array, Complex
 
 MOST_SOURCES: Final = 64
-"""Number of sources, the brightest of a catalogue, by which the sign of UVW is judged."""
+"""Number of sources, the brightest of a catalogue, by which the sign of UVW and the unit of fluxes are judged."""
 
 MOST_PRODUCTS: Final = 2**19
 """Largest number of sources times visibilities of a part that are predicted: 50 ms of one core with attenuation, and
@@ -75,19 +75,12 @@ class DataChecks:
 
     def sign_warnings(self, sky: Galaxies) -> tuple[str, ...]:
         """Return one line for each part whose visibilities agree with the sky under the opposite sign of UVW."""
-        brightest = _with_flux(sky)
-        brightest = brightest.select(np.argsort(-brightest.flux)[:MOST_SOURCES])
-        if not len(brightest):
-            return ()
         found = []
-        for part, sample in zip(parts_of(self.observation), self.samples, strict=True):
-            if sample is None:
-                continue
-            seen = _affordable(sample, brightest).here
-            by = opposite_sign_significance(seen, self._predict(brightest, seen))
+        for name, seen, model in self._compared(_brightest(sky)):
+            by = opposite_sign_significance(seen, model)
             if by is not None:
                 found.append(
-                    f"{origin_of(part).name}: the visibilities agree with the catalogue if UVW is taken with the"
+                    f"{name}: the visibilities agree with the catalogue if UVW is taken with the"
                     f" opposite sign, by {by:.0f} standard errors; with the present one, sources appear rotated by 180"
                     " degrees about the phase centre (give --conjugate, or leave it out if it is given, to reverse the"
                     " sign; in Python, change Reading.conjugates)"
@@ -99,20 +92,13 @@ class DataChecks:
 
         The sources are taken as points: where sizes follow from the fluxes, these would be wrong, too.
         """
-        brightest = _with_flux(sky)
-        brightest = brightest.select(np.argsort(-brightest.flux)[:MOST_SOURCES])
-        brightest = replace(brightest, scale_length=np.zeros(len(brightest)))
-        if not len(brightest):
-            return ()
+        points = replace(sky, scale_length=np.zeros(len(sky)))
         found = []
-        for part, sample in zip(parts_of(self.observation), self.samples, strict=True):
-            if sample is None:
-                continue
-            seen = _affordable(sample, brightest).here
-            scale = flux_scale(seen, self._predict(brightest, seen))
+        for name, seen, model in self._compared(_brightest(points)):
+            scale = flux_scale(seen, model)
             if scale is not None:
                 found.append(
-                    f"{origin_of(part).name}: the visibilities are about {scale:.0e} times those of the catalogue's"
+                    f"{name}: the visibilities are about {scale:.0e} times those of the catalogue's"
                     " sources; check the unit of the catalogue's fluxes"
                 )
         return tuple(found)
@@ -165,6 +151,17 @@ class DataChecks:
             return corrected[0]
         return JointObservation(self.observation.phase_centre, corrected)
 
+    def _compared(
+        self, sources: Galaxies
+    ) -> Iterator[tuple[str, Samples, Complex[Array, " sample"]]]:
+        """Yield the name of each part with weight, some of its visibilities, and their prediction [Jy]."""
+        if not len(sources):
+            return
+        for part, sample in zip(parts_of(self.observation), self.samples, strict=True):
+            if sample is not None:
+                seen = _affordable(sample, sources).here
+                yield origin_of(part).name, seen, self._predict(sources, seen)
+
     def _predict(self, sources: Galaxies, samples: Samples) -> Complex[Array, " sample"]:
         attenuation = None
         if self.is_attenuated:
@@ -177,6 +174,11 @@ class DataChecks:
 
 def _with_flux(sky: Galaxies) -> Galaxies:
     return sky.select(np.flatnonzero(sky.flux != 0))
+
+
+def _brightest(sky: Galaxies) -> Galaxies:
+    sources = _with_flux(sky)
+    return sources.select(np.argsort(-sources.flux)[:MOST_SOURCES])
 
 
 def _affordable(sample: NoiseSample, sources: Galaxies) -> NoiseSample:

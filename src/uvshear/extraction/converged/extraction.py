@@ -9,7 +9,7 @@
 5. If statistics are to be kept (``statistics``), first let the sky converge with a very wide prior on ellipticities
    (``release``).
 
-A minor cycle uses the beam in the nearest of a few directions, and the interaction of two sources is truncated in
+A minor cycle mixes the beam of a source from a few, and the interaction of two sources is truncated in
 distance and in baseline length. The resulting errors are a tenth to a fifth of the change since the last major cycle.
 The next major cycle corrects them, because its residual is exact.
 """
