@@ -24,9 +24,9 @@ def first(prepared):
 
 @pytest.fixture(scope="module")
 def converged(first):
-    """Three minor cycles without another major one."""
+    """Four minor cycles without another major one."""
     state, _ = first
-    for _ in range(2):
+    for _ in range(3):
         state, _ = run_minor_cycle(state, TOLERANCE, SERIAL, nothing, afresh=False)
     return state
 
@@ -47,7 +47,7 @@ def test_it_leads_to_the_maximum_of_the_common_likelihood(prepared, first, conve
     couplings = converged.linearisation.couplings
     far = _distance_to_maximum(prepared.state, couplings)
     assert far > 50
-    # measured 1.3 after one minor cycle
+    # measured 1.3 after one minor cycle, then 0.084, 0.057, 0.040: the last ones remove a third of it each
     assert _distance_to_maximum(first[0], couplings) < 0.02 * far
     assert _distance_to_maximum(converged, couplings) < TOLERANCE
 
