@@ -21,7 +21,7 @@ STAMP = 2
 """Distance around a source in pixels, up to which the curvature of n must be that of its tile. Errors of the prediction
 are then below 5e-4; with half of this distance they reach 4e-3."""
 
-WIDEST_STAMP = 8192
+WIDEST_IMAGE = 8192
 """Largest width of the image of a source [finest pixels]: 256 MB."""
 
 
@@ -69,4 +69,4 @@ def too_large(field: Field, longest: float, scale_lengths: float) -> Bool[Array,
     """
     width = scale_lengths * np.exp(field.size.log_median[field.modelled])
     is_galaxy = field.flags[field.modelled] == FitFlag.OK
-    return is_galaxy & (width * 2 * OVERSAMPLING * longest > WIDEST_STAMP)
+    return is_galaxy & (width * 2 * OVERSAMPLING * longest > WIDEST_IMAGE)
