@@ -26,8 +26,8 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.noise import ScaledNoise
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.visibilities import VisibilitySet
-from uvshear.io.measurement_set import MeasurementSet
-from uvshear.io.measurement_set_writer import write_measurement_set
+from uvshear.io.measurement_set.observation import MeasurementSet
+from uvshear.io.measurement_set.writer import write_measurement_set
 from uvshear.simulation.observation import SimulatedObservation
 
 CENTRE = PhaseCentre(0.3, math.radians(-30))

@@ -17,7 +17,7 @@ from uvshear.execution import in_threads
 from uvshear.galaxy import DiscEllipticityPrior, PowerLawFlux, SizeFluxRelation
 from uvshear.interferometer import Channels, ObservingPlan, PhaseCentre, Track, load_layout
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.io.measurement_set_writer import write_measurement_set
+from uvshear.io.measurement_set.writer import write_measurement_set
 from uvshear.simulation.population import Population, draw_population
 from uvshear.simulation.sky_region import SquareField
 

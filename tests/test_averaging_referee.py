@@ -21,7 +21,7 @@ from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.summary import summarise
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.io.measurement_set_writer import write_measurement_set
+from uvshear.io.measurement_set.writer import write_measurement_set
 
 pytestmark = pytest.mark.referee
 

@@ -22,7 +22,7 @@ GALAXIES = 100
 @pytest.fixture
 def field(tmp_path, monkeypatch):
     """FIELD.ms and CAT.fits, of six galaxies at signal-to-noise ratios of about a hundred, in the working directory."""
-    from uvshear.io.measurement_set_writer import write_measurement_set
+    from uvshear.io.measurement_set.writer import write_measurement_set
 
     monkeypatch.chdir(tmp_path)
     rng = np.random.default_rng(2)

@@ -147,7 +147,7 @@ if TYPE_CHECKING:
         write_catalogue,
     )
     from uvshear.io.images import write_residual_image
-    from uvshear.io.measurement_set_writer import write_measurement_set
+    from uvshear.io.measurement_set.writer import write_measurement_set
     from uvshear.io.observations import inspect, open_observation
     from uvshear.io.population import read_population
     from uvshear.io.readers import Reader
@@ -196,7 +196,7 @@ _HOMES = {
     "io.bias_records": "read_bias write_bias",
     "io.catalogue": "Catalogue catalogue_from_galaxies read_catalogue write_catalogue",
     "io.images": "write_residual_image",
-    "io.measurement_set_writer": "write_measurement_set",
+    "io.measurement_set.writer": "write_measurement_set",
     "io.observations": "inspect open_observation",
     "io.population": "read_population",
     "io.readers": "Reader",

@@ -10,7 +10,7 @@ from casacore import tables
 
 from tests.io.measurement_sets import change, written
 from uvshear.extraction import ConvergedExtraction
-from uvshear.io.measurement_set import MeasurementSet
+from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.shapes import extraction_record, read_shapes
 
 

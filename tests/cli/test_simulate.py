@@ -7,7 +7,7 @@ import pytest
 from uvshear.cli.simulate import parse_sefd
 from uvshear.errors import InputError
 from uvshear.galaxy import Galaxies, SizeFluxRelation
-from uvshear.io.measurement_set import MeasurementSet
+from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.predict import predict_visibilities
 
 GOOD = "--declination-deg -30 --hours 1 --integration-s 600 --band-mhz 950 1190 --snr-at 10 50"

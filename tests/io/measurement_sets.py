@@ -13,7 +13,7 @@ from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.noise import CorrelationNoise
 from uvshear.interferometer.spectral_window import Channels
-from uvshear.io.measurement_set_writer import write_measurement_set
+from uvshear.io.measurement_set.writer import write_measurement_set
 from uvshear.simulation.observation import SimulatedObservation
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "real"

@@ -30,7 +30,7 @@ from uvshear.interferometer.weighting import (
     Uniform,
     weighted,
 )
-from uvshear.io.measurement_set_writer import write_measurement_set
+from uvshear.io.measurement_set.writer import write_measurement_set
 from uvshear.io.observations import open_observation
 from uvshear.simulation.observation import SimulatedObservation
 

@@ -9,7 +9,7 @@ from tests.io.measurement_sets import simulated, written
 from uvshear.errors import InputError
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.inspection import inspect_observation
-from uvshear.io.measurement_set import MeasurementSet
+from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.observations import inspect
 from uvshear.io.readers import Reader
 from uvshear.io.reading import Reading

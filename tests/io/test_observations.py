@@ -14,7 +14,7 @@ from uvshear.interferometer.first_pass import first_pass
 from uvshear.interferometer.noise_estimate import estimate_noise
 from uvshear.interferometer.origin import origin_of, parts_of
 from uvshear.interferometer.scaled_observation import ScaledObservation, scaled_to_its_noise
-from uvshear.io.measurement_set import MeasurementSet
+from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.observations import open_observation
 from uvshear.io.readers import Reader
 from uvshear.io.reading import Reading

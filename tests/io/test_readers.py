@@ -10,7 +10,7 @@ import uvshear.plugins
 from tests.interferometer.chunks import observation
 from tests.io.measurement_sets import written
 from uvshear.errors import InputError
-from uvshear.io.measurement_set_reader import MeasurementSetReader
+from uvshear.io.measurement_set.reader import MeasurementSetReader
 from uvshear.io.readers import READERS, Reader, reader_of
 from uvshear.io.reading import Reading
 

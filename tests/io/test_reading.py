@@ -1,5 +1,5 @@
 from tests.io.measurement_sets import written
-from uvshear.io.measurement_set import MeasurementSet
+from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.reading import Reading
 
 

@@ -267,7 +267,7 @@ def simulate(
     from uvshear.interferometer.plan import ObservingPlan
     from uvshear.interferometer.spectral_window import Channels
     from uvshear.io.catalogue import read_catalogue
-    from uvshear.io.measurement_set_writer import write_measurement_set
+    from uvshear.io.measurement_set.writer import write_measurement_set
     from uvshear.io.outputs import check_output
     from uvshear.pipeline.simulate import simulate as simulate_observation
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies

@@ -34,7 +34,7 @@ from uvshear.plugins import Registry
 READERS = Registry(
     "reader",
     "uvshear.readers",
-    {"measurement-set": "uvshear.io.measurement_set_reader:MeasurementSetReader"},
+    {"measurement-set": "uvshear.io.measurement_set.reader:MeasurementSetReader"},
     {},
 )
 """Every registered object is a :class:`Reader` or a class of readers that takes no argument."""

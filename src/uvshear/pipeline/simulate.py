@@ -40,7 +40,7 @@ def simulate(
 ) -> SimulatedObservation:
     """Simulate an observation of the sources of a catalogue.
 
-    The result is an observation that can be measured directly; ``io.measurement_set_writer`` writes it to a
+    The result is an observation that can be measured directly; ``io.measurement_set.writer`` writes it to a
     Measurement Set.
 
     Parameters

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import ClassVar
 
 from uvshear.io.inspection import Inspection
-from uvshear.io.measurement_set import MeasurementSet
-from uvshear.io.measurement_set_inspection import inspect_measurement_set
+from uvshear.io.measurement_set.inspection import inspect_measurement_set
+from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.readers import Reader
 from uvshear.io.reading import Reading
 

@@ -5,7 +5,7 @@ import pytest
 from casacore import tables
 
 from tests.io.measurement_sets import change, simulated, written
-from uvshear.io.array_size import longest_baseline
+from uvshear.io.measurement_set.array_size import longest_baseline
 
 
 @pytest.fixture

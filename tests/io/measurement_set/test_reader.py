@@ -4,7 +4,7 @@ import pytest
 
 from tests.io.measurement_sets import written
 from uvshear.errors import InputError
-from uvshear.io.measurement_set_reader import MeasurementSetReader
+from uvshear.io.measurement_set.reader import MeasurementSetReader
 from uvshear.io.reading import Reading
 
 READER = MeasurementSetReader()

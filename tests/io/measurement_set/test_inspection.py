@@ -6,7 +6,7 @@ from casacore import tables
 
 from tests.io.measurement_sets import PHASE_CENTRE, change, real_set, simulated, written
 from uvshear.constants import SPEED_OF_LIGHT
-from uvshear.io.measurement_set import MeasurementSet
+from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.observations import inspect
 from uvshear.io.reading import Reading
 

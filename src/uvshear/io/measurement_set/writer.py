@@ -14,7 +14,7 @@ from uvshear.errors import InputError
 from uvshear.execution import SERIAL, Executor
 from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.stokes import Hands
-from uvshear.io.measurement_set_subtables import write_subtables
+from uvshear.io.measurement_set.subtables import write_subtables
 from uvshear.io.outputs import check_output, unfinished
 from uvshear.simulation.observation import CorrelationBlock, SimulatedObservation
 

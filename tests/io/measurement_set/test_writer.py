@@ -8,7 +8,7 @@ from tests.io.measurement_sets import PHASE_CENTRE, simulated, written
 from uvshear.errors import InputError
 from uvshear.execution import in_threads
 from uvshear.interferometer.stokes import Hands
-from uvshear.io.measurement_set_writer import write_measurement_set
+from uvshear.io.measurement_set.writer import write_measurement_set
 from uvshear.simulation import observation as observation_module
 
 REQUIRED_SUBTABLES = (

@@ -2,15 +2,13 @@
 
 import shutil
 
-import numpy as np
 import pytest
 from casacore import tables
 
 from tests.io.measurement_sets import change, written
-from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
-from uvshear.io.measurement_set import MeasurementSet
-from uvshear.io.measurement_set_header import read_diameters, read_header, read_pointing
+from uvshear.io.measurement_set.header import read_diameters
+from uvshear.io.measurement_set.observation import MeasurementSet
 
 
 @pytest.fixture
@@ -75,36 +73,9 @@ def test_no_rows_is_an_error(path, tmp_path):
         MeasurementSet(empty)
 
 
-def test_a_missing_phase_centre_is_an_error(path):
-    _remove_column(path, "PHASE_DIR", "FIELD")
-    with pytest.raises(InputError, match="FIELD has no PHASE_DIR for field 0"):
-        MeasurementSet(path)
-
-
-def test_an_empty_field_table_is_an_error(path):
-    with _edit(path, "FIELD") as field:
-        field.removerows([0])
-    with pytest.raises(InputError, match="FIELD is empty, so there is no phase centre"):
-        MeasurementSet(path)
-
-
 def test_a_missing_subtable_is_an_error(path):
     shutil.rmtree(path / "FIELD")
     with pytest.raises(InputError, match="the FIELD table cannot be read"):
-        MeasurementSet(path)
-
-
-@pytest.mark.parametrize("value", [np.nan, 57.0])
-def test_a_phase_centre_that_is_none_is_an_error(path, value):
-    change(path, "PHASE_DIR", value, subtable="FIELD")
-    with pytest.raises(InputError, match="radians are needed"):
-        MeasurementSet(path)
-
-
-def test_a_phase_centre_in_another_frame_is_an_error(path):
-    with _edit(path, "FIELD") as field:
-        field.putcolkeyword("PHASE_DIR", "MEASINFO", {"type": "direction", "Ref": "B1950"})
-    with pytest.raises(InputError, match="frame B1950; J2000 or ICRS"):
         MeasurementSet(path)
 
 
@@ -118,33 +89,6 @@ def test_crossed_hands_alone_are_an_error(path):
     change(path, "CORR_TYPE", [[10, 11]], subtable="POLARIZATION")
     with pytest.raises(InputError, match=r"\[10, 11\] do not give Stokes I"):
         MeasurementSet(path)
-
-
-def _point(path, column, offset):
-    """Move a direction of the field to the North."""
-    with _edit(path, "FIELD") as fields:
-        direction = fields.getcell(column, 0)
-        direction[0, 1] += offset
-        fields.putcell(column, 0, direction)
-
-
-def test_a_changed_phase_centre_leaves_the_pointing(path):
-    before = read_pointing(path, 0)
-    _point(path, "PHASE_DIR", 0.01)
-    assert read_header(path, "DATA", None).phase_centre.dec == pytest.approx(before.dec + 0.01)
-    assert read_pointing(path, 0) == before
-
-
-def test_directions_that_disagree_leave_the_pointing_unknown(path):
-    _point(path, "DELAY_DIR", 5 * ARCSEC)
-    with pytest.raises(InputError, match=r"are 5 arcsec apart.*not known where the dishes pointed"):
-        read_pointing(path, 0)
-
-
-def test_a_set_without_other_directions_pointed_at_its_phase_centre(path):
-    with _edit(path, "FIELD") as fields:
-        fields.removecols(["REFERENCE_DIR", "DELAY_DIR"])
-    assert read_pointing(path, 0) == read_header(path, "DATA", None).phase_centre
 
 
 def test_diameters_are_those_of_the_antennas(path):

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from casacore.tables import makearrcoldesc, makecoldesc, maketabdesc, table
 
+from tests.io.measurement_set.varied_sets import CIRCULAR, LINEAR, Window, write_varied
 from tests.io.measurement_sets import real_set
-from tests.io.varied_sets import CIRCULAR, LINEAR, Window, write_varied
 from tests.skies import galaxies
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
@@ -20,7 +20,7 @@ from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.io.catalogue import catalogue_from_galaxies
-from uvshear.io.measurement_set import MeasurementSet
+from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.observations import inspect, open_observation
 from uvshear.io.reading import Reading
 from uvshear.pipeline.measure import measure

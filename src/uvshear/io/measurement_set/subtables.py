@@ -189,7 +189,7 @@ def _history(observation: SimulatedObservation) -> dict[str, object]:
             f" layout: {observation.coverage.layout.source}"
         ],
         "PRIORITY": ["NORMAL"],
-        "ORIGIN": ["uvshear.io.measurement_set_writer"],
+        "ORIGIN": ["uvshear.io.measurement_set.writer"],
         "OBJECT_ID": [0],
         "APPLICATION": [f"uvshear {version('uvshear')}"],
         "CLI_COMMAND": {"array": [""], "shape": [1, 1]},

@@ -8,7 +8,7 @@ from casacore import tables
 
 from uvshear.interferometer.primary_beam import LARGEST_DISH
 from uvshear.interferometer.screening import LONGEST_BASELINE
-from uvshear.typing import Array, Float
+from uvshear.io.measurement_set.antennas import read_antennas
 
 ROWS_COMPARED: Final = 256
 """Number of rows, spread over the set, whose UVW is compared with the antennas' positions."""
@@ -24,7 +24,7 @@ def longest_baseline(path: Path, main: tables.table) -> float | None:
     The result is None unless most of the compared rows have a UVW as long as the distance of their antennas: positions
     may be missing, or refer to another frame.
     """
-    positions, diameters = _antennas(path)
+    positions, diameters = read_antennas(path)
     if len(positions) < 2:
         return None
     rows = np.unique(np.linspace(0, main.nrows() - 1, ROWS_COMPARED).astype(int))
@@ -43,13 +43,3 @@ def longest_baseline(path: Path, main: tables.table) -> float | None:
     extent = max(float(np.linalg.norm(placed - place, axis=1).max()) for place in placed)
     dish = float(np.max(diameters, initial=0.0, where=diameters < LARGEST_DISH))
     return (1 + TOLERANCE) * extent + dish
-
-
-def _antennas(path: Path) -> tuple[Float[Array, "antenna 3"], Float[Array, " antenna"]]:
-    with tables.table(str(path / "ANTENNA"), ack=False) as table:
-        if table.nrows() == 0 or "POSITION" not in table.colnames():
-            return np.zeros((0, 3)), np.zeros(0)
-        positions = np.asarray(table.getcol("POSITION"), float)
-        has_dishes = "DISH_DIAMETER" in table.colnames()
-        diameters = table.getcol("DISH_DIAMETER") if has_dishes else np.zeros(len(positions))
-    return positions, np.asarray(diameters, float)

@@ -16,19 +16,19 @@ from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import stokes_i
 from uvshear.interferometer.visibilities import Integrations, Visibilities
-from uvshear.io.measurement_set_header import (
-    DataDescription,
+from uvshear.io.measurement_set.averaging_time import averaging_time
+from uvshear.io.measurement_set.descriptions import DataDescription
+from uvshear.io.measurement_set.fields import read_pointing
+from uvshear.io.measurement_set.header import (
     Header,
-    casacore_errors,
     check_scans,
     check_subtracted,
-    open_table,
     read_diameters,
     read_header,
-    read_pointing,
 )
+from uvshear.io.measurement_set.opening import casacore_errors, open_table
+from uvshear.io.measurement_set.uvw_sign import uvw_sign_agrees
 from uvshear.io.reading import Reading
-from uvshear.io.uvw_sign import uvw_sign_agrees
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
 BYTES_PER_SAMPLE: Final = 32
@@ -51,7 +51,8 @@ class MeasurementSet:
     column
         Column of visibilities: DATA, CORRECTED_DATA, ...
     field
-        FIELD_ID or name; needed only where rows of several fields are present.
+        FIELD_ID or name; needed only where rows of several fields are present. A name that several rows of FIELD share
+        stands for all of them, if they have the same phase centre.
     memory
         Size of a chunk's buffers, whatever the number of rows [bytes].
     heeds_flags
@@ -102,7 +103,7 @@ class MeasurementSet:
 
     @property
     def spectral_windows(self) -> tuple[Channels, ...]:
-        """Channels of each DATA_DESC_ID."""
+        """Channels of each DATA_DESC_ID that the field has."""
         return tuple(description.channels for description in self.header.descriptions)
 
     def chunks(self) -> Iterator[Visibilities]:
@@ -124,7 +125,7 @@ class MeasurementSet:
     def unchecked_chunks(self) -> Iterator[Visibilities]:
         """Read everything once, including chunks without a cross-correlation and sets without a usable sample."""
         path = Path(self.path)
-        with open_table(path) as main, casacore_errors(path, f"column {self.column}"):
+        with open_table(path) as main, casacore_errors(path, "the main table"):
             reader = _Reader(main, self)
             for start in range(0, self.header.rows, self.rows_per_chunk):
                 count = min(self.rows_per_chunk, self.header.rows - start)
@@ -149,6 +150,15 @@ class MeasurementSet:
         found = []
         if self.header.weight_column == "SIGMA":
             found.append("WEIGHT has no value above zero; the weights are 1/SIGMA^2")
+        if len(numbers := self.header.field.numbers) > 1:
+            found.append(
+                f"FIELD_IDs {', '.join(map(str, numbers))} have one name, {self.header.field.name}, and one phase"
+                " centre; they are read as one field"
+            )
+        if self.header.lacks_exposure:
+            found.append(
+                "EXPOSURE is 0 although the channels are averages; times are taken to be averages over INTERVAL"
+            )
         return tuple(found)
 
     def uvw_agrees(self) -> bool | None:
@@ -162,7 +172,7 @@ class MeasurementSet:
 
     def pointing_direction(self) -> PhaseCentre:
         """Return where the dishes pointed: REFERENCE_DIR of the field, or DELAY_DIR, or PHASE_DIR in a set without."""
-        return read_pointing(Path(self.path), self.header.field_id)
+        return read_pointing(Path(self.path), self.header.field.numbers[0])
 
 
 class _Reader:
@@ -175,19 +185,22 @@ class _Reader:
         self.subtracted, self.path = data.subtracted, Path(data.path)
         self.has_flag_row = "FLAG_ROW" in main.colnames()
         self.buffers: dict[str, Array] = {}
+        self.checked: set[tuple[str, tuple[int, ...]]] = set()
 
     def split(self, start: int, count: int) -> Iterator[tuple[DataDescription, Int[Array, " row"]]]:
         """Yield the rows of the chosen field and scans, spectral window by spectral window."""
         rows = np.arange(start, start + count)
         if not self.header.is_only_field:
-            rows = rows[self.main.getcol("FIELD_ID", start, count) == self.header.field_id]
+            fields = self.main.getcol("FIELD_ID", start, count)
+            rows = rows[np.isin(fields, self.header.field.numbers)]
         if self.scans is not None:
             scans = self.main.getcol("SCAN_NUMBER", start, count)[rows - start]
             rows = rows[np.isin(scans, self.scans)]
         if len(self.header.descriptions) == 1:
-            identifiers = np.zeros(len(rows), dtype=int)
-        else:
-            identifiers = self.main.getcol("DATA_DESC_ID", start, count)[rows - start]
+            if len(rows):
+                yield self.header.descriptions[0], rows
+            return
+        identifiers = self.main.getcol("DATA_DESC_ID", start, count)[rows - start]
         for description in self.header.descriptions:
             selected = rows[identifiers == description.identifier]
             if len(selected):
@@ -202,18 +215,15 @@ class _Reader:
         shape = (count, len(description.channels), description.correlations)
         correlations = self._visibilities(table, self.column, start, shape)
         if self.subtracted is not None:
-            with casacore_errors(self.path, f"column {self.subtracted}"):
-                correlations -= self._visibilities(table, self.subtracted, start, shape)
+            correlations -= self._visibilities(table, self.subtracted, start, shape)
         flags = self._fill(table, "FLAG", start, shape, np.dtype(bool))
         if self.has_flag_row:
             flags |= table.getcol("FLAG_ROW", start, count)[:, None, None]
         if not self.heeds_flags:
             flags[:] = False
         weights = self._weights(table, start, shape)
-        uvw = np.empty((count, 3))
-        table.getcolnp("UVW", uvw, start, count)
-        uvw *= self.sign
-        integrations = self._integrations(table, start, count)
+        uvw = self.sign * self._fill(table, "UVW", start, (count, 3), np.dtype(float))
+        integrations = self._integrations(table, description, start, count)
         is_cross = integrations.antennas[:, 0] != integrations.antennas[:, 1]
         # A slice of the correlations, not an index: a view costs nothing.
         first, last = min(description.hands), max(description.hands)
@@ -250,12 +260,14 @@ class _Reader:
         dtype = np.dtype("c16" if table.coldatatype(column) == "dcomplex" else "c8")
         return self._fill(table, column, start, shape, dtype)
 
-    def _integrations(self, table: tables.table, start: int, count: int) -> Integrations:
+    def _integrations(
+        self, table: tables.table, description: DataDescription, start: int, count: int
+    ) -> Integrations:
         antennas = [table.getcol(f"ANTENNA{end}", start, count) for end in (1, 2)]
         time = np.asarray(table.getcol("TIME", start, count), float)
-        interval = np.zeros(count)
-        if (column := self.header.interval_column) is not None:
-            interval = np.asarray(table.getcol(column, start, count), float)
+        interval = averaging_time(
+            self.path, table, start, count, is_averaged=description.is_averaged
+        )
         return Integrations(np.column_stack(antennas), time, interval)
 
     def _weights(
@@ -275,12 +287,31 @@ class _Reader:
         self, table: tables.table, column: str, start: int, shape: tuple[int, ...], dtype: np.dtype
     ) -> Array:
         """Read a column into this column's buffer."""
+        self._check_cells(table, column, start, shape[1:])
         size = int(np.prod(shape))
         if column not in self.buffers or self.buffers[column].size < size:
             self.buffers[column] = np.empty(size, dtype=dtype)
         view = self.buffers[column][:size].reshape(shape)
-        table.getcolnp(column, view, start, shape[0])
+        with casacore_errors(self.path, f"column {column}"):
+            table.getcolnp(column, view, start, shape[0])
         return view
+
+    def _check_cells(
+        self, table: tables.table, column: str, start: int, expected: tuple[int, ...]
+    ) -> None:
+        """Refuse a column of another shape than its description says, judged by the first cell that is read."""
+        if (column, expected) in self.checked:
+            return
+        with casacore_errors(self.path, f"column {column}"):
+            shape = np.shape(table.getcell(column, start))
+        if shape != expected:
+            raise InputError(
+                f"{self.path}: column {column} has a cell of shape {shape}; {expected} is needed by the numbers of"
+                " channels and correlations in SPECTRAL_WINDOW and POLARIZATION"
+                if column != "UVW"
+                else f"{self.path}: column UVW has a cell of shape {shape}; three coordinates are needed"
+            )
+        self.checked.add((column, expected))
 
 
 def _combine(

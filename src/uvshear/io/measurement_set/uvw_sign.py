@@ -7,7 +7,9 @@ import numpy as np
 
 from uvshear.interferometer.coverage import antenna_uvw, sidereal_time
 from uvshear.interferometer.screening import LONGEST_BASELINE
-from uvshear.io.measurement_set_header import Header, casacore_errors, open_table
+from uvshear.io.measurement_set.antennas import read_antennas
+from uvshear.io.measurement_set.header import Header
+from uvshear.io.measurement_set.opening import casacore_errors, open_table
 from uvshear.typing import Array, Bool, Float, Int
 
 ROWS_COMPARED: Final = 256
@@ -33,10 +35,9 @@ def uvw_sign_agrees(path: Path, header: Header) -> bool | None:
         same_field = (
             np.ones(len(rows), dtype=bool)
             if header.is_only_field
-            else chosen.getcol("FIELD_ID") == header.field_id
+            else np.isin(chosen.getcol("FIELD_ID"), header.field.numbers)
         )
-    with open_table(path, "ANTENNA") as antennas, casacore_errors(path, "ANTENNA"):
-        positions = np.asarray(antennas.getcol("POSITION"), dtype=float)
+    positions, _ = read_antennas(path)
     known = _comparable(stored, time, np.stack([first, second]), positions) & same_field
     if not known.any():
         return None

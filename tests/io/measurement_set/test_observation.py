@@ -16,8 +16,8 @@ from uvshear.interferometer.count_samples import SampleCountsAccumulator
 from uvshear.interferometer.stokes import Hands
 from uvshear.interferometer.summary import SummaryAccumulator
 from uvshear.interferometer.visibilities import Observation
-from uvshear.io.measurement_set import MeasurementSet
-from uvshear.io.measurement_set_writer import write_measurement_set
+from uvshear.io.measurement_set.observation import MeasurementSet
+from uvshear.io.measurement_set.writer import write_measurement_set
 
 
 @pytest.fixture

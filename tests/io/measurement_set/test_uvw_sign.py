@@ -5,8 +5,8 @@ import pytest
 from casacore import tables
 
 from tests.io.measurement_sets import change, real_set, written
-from uvshear.io.measurement_set_header import read_header
-from uvshear.io.uvw_sign import uvw_sign_agrees
+from uvshear.io.measurement_set.header import read_header
+from uvshear.io.measurement_set.uvw_sign import uvw_sign_agrees
 
 
 def _agrees(path):

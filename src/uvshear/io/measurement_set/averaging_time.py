@@ -1,0 +1,42 @@
+"""The time that each row of a Measurement Set was averaged over."""
+
+from pathlib import Path
+
+import numpy as np
+from casacore import tables
+
+from uvshear.io.measurement_set.opening import casacore_errors
+from uvshear.typing import Array, Float
+
+
+def averaging_time(
+    path: Path, main: tables.table, start: int, count: int, *, is_averaged: bool
+) -> Float[Array, " row"]:
+    """Return EXPOSURE [s], or INTERVAL in a set without it; 0 in a set that has neither.
+
+    Parameters
+    ----------
+    path
+        Path of the set.
+    main
+        The main table, or a selection of its rows.
+    start, count
+        Rows to read.
+    is_averaged
+        Whether the channels of these rows are averages. Their times are averages then as well, and an EXPOSURE of 0 is
+        one that was not filled, for which INTERVAL is taken.
+    """
+    columns = [name for name in ("EXPOSURE", "INTERVAL") if name in main.colnames()]
+    if not columns:
+        return np.zeros(count)
+    time = _read(path, main, columns[0], start, count)
+    if is_averaged and len(columns) > 1 and np.any(time == 0):
+        return np.where(time == 0, _read(path, main, columns[1], start, count), time)
+    return time
+
+
+def _read(
+    path: Path, main: tables.table, column: str, start: int, count: int
+) -> Float[Array, " row"]:
+    with casacore_errors(path, f"column {column}"):
+        return np.asarray(main.getcol(column, start, count), float)

@@ -1,0 +1,70 @@
+"""The content of a Measurement Set, field by field."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from uvshear.errors import InputError
+from uvshear.io.inspection import FieldContent, Inspection, Telescope, Window, examine
+from uvshear.io.measurement_set.antennas import read_antennas
+from uvshear.io.measurement_set.descriptions import DataDescription
+from uvshear.io.measurement_set.header import read_fields, visibility_columns
+from uvshear.io.measurement_set.observation import MeasurementSet
+from uvshear.io.measurement_set.opening import casacore_errors, open_table
+from uvshear.io.reading import Reading
+
+CORRELATIONS = {1: "I", 5: "RR", 6: "RL", 7: "LR", 8: "LL", 9: "XX", 10: "XY", 11: "YX", 12: "YY"}
+"""Names of CORR_TYPE codes (casacore, Stokes::StokesTypes)."""
+
+
+def inspect_measurement_set(path: Path, reading: Reading) -> Inspection:
+    """Read a set once, all of its fields unless one is chosen."""
+    present = read_fields(path)
+    with open_table(path) as main:
+        columns = visibility_columns(main)
+    chosen = [one.numbers[0] for one in present] if reading.field is None else [reading.field]
+    fields = [MeasurementSet.from_reading(path, replace(reading, field=field)) for field in chosen]
+    described = {one.identifier: one for field in fields for one in field.header.descriptions}
+    return Inspection(
+        tuple(_content(field) for field in fields),
+        _telescope(path),
+        columns,
+        tuple(_window(described[identifier]) for identifier in sorted(described)),
+    )
+
+
+def _window(description: DataDescription) -> Window:
+    channels = description.channels
+    words = tuple(CORRELATIONS.get(code, str(code)) for code in description.types)
+    return Window(channels.frequency, channels.width, description.averaged, words)
+
+
+def _content(field: MeasurementSet) -> FieldContent:
+    # A set in which all is flagged can be inspected as well.
+    quality, ranges, noise = examine(field, field.unchecked_chunks())
+    return FieldContent(
+        phase_centre=field.phase_centre,
+        quality=quality,
+        ranges=ranges,
+        number=field.header.field.numbers[0],
+        name=field.header.field.name,
+        weight_column=field.header.weight_column,
+        noise=noise,
+        uvw_agrees=field.uvw_agrees(),
+    )
+
+
+def _telescope(path: Path) -> Telescope:
+    _, diameters = read_antennas(path)
+    known = tuple(float(diameter) for diameter in np.unique(diameters) if diameter > 0)
+    return Telescope(_telescope_name(path), len(diameters), known)
+
+
+def _telescope_name(path: Path) -> str:
+    """Return the telescope's name; empty where it is not given, as it serves information only."""
+    try:
+        with open_table(path, "OBSERVATION") as table, casacore_errors(path, "OBSERVATION"):
+            return str(table.getcell("TELESCOPE_NAME", 0)) if table.nrows() else ""
+    except InputError:
+        return ""

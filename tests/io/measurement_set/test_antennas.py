@@ -1,0 +1,64 @@
+"""Antennas of a Measurement Set, so far as they are known."""
+
+import numpy as np
+import pytest
+from casacore import tables
+
+from tests.io.measurement_sets import change, written
+from uvshear.io.measurement_set.antennas import read_antennas
+from uvshear.io.measurement_set.inspection import inspect_measurement_set
+from uvshear.io.measurement_set.observation import MeasurementSet
+from uvshear.io.reading import Reading
+
+
+@pytest.fixture
+def path(tmp_path):
+    return written(tmp_path)
+
+
+def _read(path):
+    """Number of rows that are measured, and of antennas that are shown."""
+    shown = inspect_measurement_set(path, Reading())
+    return sum(len(seen) for seen in MeasurementSet(path).chunks()), shown.telescope.antennas
+
+
+def test_positions_and_diameters_are_read(path):
+    change(path, "DISH_DIAMETER", 25.0, rows=[1], subtable="ANTENNA")
+    positions, diameters = read_antennas(path)
+    assert positions.shape == (8, 3)
+    assert diameters[1] == 25.0
+
+
+def _emptied(path):
+    with tables.table(str(path / "ANTENNA"), readonly=False, ack=False) as table:
+        table.removerows(list(range(table.nrows())))
+
+
+def _without(column):
+    def spoil(path):
+        with tables.table(str(path / "ANTENNA"), readonly=False, ack=False) as table:
+            table.removecols(column)
+
+    return spoil
+
+
+def _beyond(path):
+    for column in ("ANTENNA1", "ANTENNA2"):
+        with tables.table(str(path), readonly=False, ack=False) as table:
+            table.putcol(column, table.getcol(column) + 10)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "antennas"),
+    [(_emptied, 0), (_without("POSITION"), 8), (_without("DISH_DIAMETER"), 8), (_beyond, 8)],
+)
+def test_visibilities_are_read_without_what_is_not_known_of_antennas(path, spoil, antennas):
+    rows, _ = _read(path)
+    spoil(path)
+    assert _read(path) == (rows, antennas)
+
+
+def test_a_position_that_is_none_is_not_known(path):
+    change(path, "POSITION", np.nan, rows=[2], subtable="ANTENNA")
+    positions, _ = read_antennas(path)
+    assert np.flatnonzero(np.isnan(positions).any(axis=1)).tolist() == [2]

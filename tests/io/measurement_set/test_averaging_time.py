@@ -1,0 +1,44 @@
+"""The time that rows were averaged over: EXPOSURE, or INTERVAL."""
+
+import numpy as np
+import pytest
+from casacore import tables
+
+from tests.io.measurement_sets import change, written
+from uvshear.io.measurement_set.observation import MeasurementSet
+
+
+def _intervals(path):
+    data = MeasurementSet(path)
+    values = np.concatenate([seen.integrations.interval for seen in data.chunks()])
+    return np.unique(values).tolist(), data.notices()
+
+
+def test_exposure_is_taken(tmp_path):
+    path = written(tmp_path, is_averaged=True)
+    change(path, "EXPOSURE", 40.0)
+    assert _intervals(path) == ([40.0], ())
+
+
+def test_an_exposure_of_zero_beside_averaged_channels_was_not_filled(tmp_path):
+    path = written(tmp_path, is_averaged=True)
+    change(path, "EXPOSURE", 0.0)
+    values, (told,) = _intervals(path)
+    assert values == [60.0]
+    assert "EXPOSURE is 0 although the channels are averages" in told
+    change(path, "EXPOSURE", 40.0, rows=slice(0, 3))
+    assert _intervals(path)[0] == [40.0, 60.0]
+
+
+def test_samples_that_are_no_averages_have_no_exposure(tmp_path):
+    assert _intervals(written(tmp_path)) == ([0.0], ())
+
+
+@pytest.mark.parametrize(
+    ("removed", "expected"), [(("EXPOSURE",), 60.0), (("EXPOSURE", "INTERVAL"), 0.0)]
+)
+def test_a_set_may_lack_columns(tmp_path, removed, expected):
+    path = written(tmp_path, is_averaged=True)
+    with tables.table(str(path), readonly=False, ack=False) as main:
+        main.removecols(list(removed))
+    assert _intervals(path) == ([expected], ())
