@@ -1,5 +1,6 @@
 """Small Measurement Sets, built by the tests that read them."""
 
+import shutil
 import tarfile
 from pathlib import Path
 
@@ -64,6 +65,14 @@ def change(path: Path, column: str, value, rows=None, subtable: str = "") -> Non
         values = table.getcol(column)
         values[slice(None) if rows is None else rows] = value
         table.putcol(column, values)
+
+
+def emptied(path: Path, subtable: str) -> None:
+    """Replace a subtable by one without rows. (casacore forgets that rows were removed if none is left.)"""
+    with tables.table(str(path / subtable), ack=False) as table:
+        description = table.getdesc()
+    shutil.rmtree(path / subtable)
+    tables.table(str(path / subtable), description, nrow=0, ack=False).close()
 
 
 def real_set(tmp_path, archive):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from casacore import tables
 
-from tests.io.measurement_sets import change, written
+from tests.io.measurement_sets import change, emptied, written
 from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.inspection import inspect_measurement_set
 from uvshear.io.measurement_set.observation import MeasurementSet
@@ -29,9 +29,12 @@ def test_positions_and_diameters_are_read(path):
     assert diameters[1] == 25.0
 
 
-def _emptied(path):
-    with tables.table(str(path / "ANTENNA"), readonly=False, ack=False) as table:
-        table.removerows(list(range(table.nrows())))
+def _without_rows(path):
+    emptied(path, "ANTENNA")
+
+
+def _damaged(path):
+    (path / "ANTENNA" / "table.f0").write_bytes(b"nonsense")
 
 
 def _without(column):
@@ -50,7 +53,13 @@ def _beyond(path):
 
 @pytest.mark.parametrize(
     ("spoil", "antennas"),
-    [(_emptied, 0), (_without("POSITION"), 8), (_without("DISH_DIAMETER"), 8), (_beyond, 8)],
+    [
+        (_without_rows, 0),
+        (_damaged, 0),
+        (_without("POSITION"), 8),
+        (_without("DISH_DIAMETER"), 8),
+        (_beyond, 8),
+    ],
 )
 def test_visibilities_are_read_without_what_is_not_known_of_antennas(path, spoil, antennas):
     rows, _ = _read(path)

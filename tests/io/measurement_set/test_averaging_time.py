@@ -34,11 +34,17 @@ def test_samples_that_are_no_averages_have_no_exposure(tmp_path):
     assert _intervals(written(tmp_path)) == ([0.0], ())
 
 
+def _without(path, target, columns):
+    """Copy a set without some columns, which its storage managers share with others."""
+    with tables.table(str(path), ack=False) as main:
+        names = [name for name in main.colnames() if name not in columns]
+        main.select(",".join(names)).copy(str(target), deep=True, valuecopy=True).close()
+    return target
+
+
 @pytest.mark.parametrize(
-    ("removed", "expected"), [(("EXPOSURE",), 60.0), (("EXPOSURE", "INTERVAL"), 0.0)]
+    ("removed", "expected"), [(["EXPOSURE"], 60.0), (["EXPOSURE", "INTERVAL"], 0.0)]
 )
 def test_a_set_may_lack_columns(tmp_path, removed, expected):
-    path = written(tmp_path, is_averaged=True)
-    with tables.table(str(path), readonly=False, ack=False) as main:
-        main.removecols(list(removed))
+    path = _without(written(tmp_path, is_averaged=True), tmp_path / "less.ms", removed)
     assert _intervals(path) == ([expected], ())

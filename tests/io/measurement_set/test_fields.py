@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from casacore import tables
 
-from tests.io.measurement_sets import change, written
+from tests.io.measurement_sets import change, emptied, written
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
 from uvshear.io.measurement_set.fields import read_direction, read_pointing
@@ -59,8 +59,7 @@ def test_a_missing_phase_centre_is_an_error(path):
 
 
 def test_an_empty_field_table_is_an_error(path):
-    with _edit(path, "FIELD") as field:
-        field.removerows([0])
+    emptied(path, "FIELD")
     with pytest.raises(InputError, match="FIELD is empty, so there is no phase centre"):
         MeasurementSet(path)
 
@@ -171,7 +170,7 @@ def test_a_field_that_follows_an_ephemeris_is_refused(path):
         fields.putcell("EPHEMERIS_ID", 0, -1)
     MeasurementSet(path)
     change(path, "EPHEMERIS_ID", 2, subtable="FIELD")
-    with pytest.raises(InputError, match="field 0 moves .its position is EPHEMERIS_ID 2"):
+    with pytest.raises(InputError, match=r"field 0 moves \(its position is EPHEMERIS_ID 2"):
         MeasurementSet(path)
 
 

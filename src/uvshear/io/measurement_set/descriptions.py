@@ -62,7 +62,8 @@ def read_descriptions(path: Path, present: Sequence[int]) -> tuple[DataDescripti
         polarizations = subtable.getcol("POLARIZATION_ID") if rows else []
     if not rows:
         raise InputError(
-            f"{path}: DATA_DESCRIPTION is empty; it needs a row for each spectral window"
+            f"{path}: DATA_DESCRIPTION is empty; it needs a row for each spectral window (if files called table.lock"
+            " were removed from the set, put them back: they may hold the numbers of rows)"
         )
     for identifier in present:
         if not 0 <= identifier < rows:

@@ -102,7 +102,10 @@ def _names(path: Path) -> Mapping[int, str]:
         has_names = "NAME" in fields.colnames()
         names = fields.getcol("NAME") if has_names and rows else [""] * rows
     if not rows:
-        raise InputError(f"{path}: FIELD is empty, so there is no phase centre; it needs a row")
+        raise InputError(
+            f"{path}: FIELD is empty, so there is no phase centre; it needs a row (if files called table.lock were"
+            " removed from the set, put them back: they may hold the numbers of rows)"
+        )
     return {number: str(name).strip() for number, name in enumerate(names)}
 
 

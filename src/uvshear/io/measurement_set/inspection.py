@@ -1,5 +1,6 @@
 """The content of a Measurement Set, field by field."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from uvshear.errors import InputError
 from uvshear.io.inspection import FieldContent, Inspection, Telescope, Window, examine
 from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.descriptions import DataDescription
+from uvshear.io.measurement_set.fields import Field
 from uvshear.io.measurement_set.header import read_fields, visibility_columns
 from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
@@ -23,8 +25,7 @@ def inspect_measurement_set(path: Path, reading: Reading) -> Inspection:
     present = read_fields(path)
     with open_table(path) as main:
         columns = visibility_columns(main)
-    chosen = [one.numbers[0] for one in present] if reading.field is None else [reading.field]
-    fields = [MeasurementSet.from_reading(path, replace(reading, field=field)) for field in chosen]
+    fields = [MeasurementSet.from_reading(path, one) for one in _readings(present, reading)]
     described = {one.identifier: one for field in fields for one in field.header.descriptions}
     return Inspection(
         tuple(_content(field) for field in fields),
@@ -32,6 +33,17 @@ def inspect_measurement_set(path: Path, reading: Reading) -> Inspection:
         columns,
         tuple(_window(described[identifier]) for identifier in sorted(described)),
     )
+
+
+def _readings(present: Sequence[Field], reading: Reading) -> Iterator[Reading]:
+    """Yield a reading for each field, by its name where this stands for several rows of FIELD."""
+    names = [field.name for field in present]
+    for field in present:
+        is_named = len(field.numbers) > 1 and names.count(field.name) == 1
+        chosen = field.name if is_named else field.numbers[0]
+        yield replace(reading, field=chosen if reading.field is None else reading.field)
+        if reading.field is not None:
+            return
 
 
 def _window(description: DataDescription) -> Window:

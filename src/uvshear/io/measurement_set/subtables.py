@@ -1,5 +1,6 @@
 """Subtables of the Measurement Set of a simulated observation."""
 
+import shutil
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
@@ -52,8 +53,16 @@ def write_subtables(path: Path, observation: SimulatedObservation, hands: Hands)
 
 
 def _fill(path: Path, columns: Mapping[str, object]) -> None:
-    with tables.table(str(path), readonly=False, ack=False) as subtable:
-        subtable.addrows(len(columns[next(iter(columns))]))  # type: ignore[arg-type]
+    """Replace an empty table by one that has its rows from the start.
+
+    Only then table.dat has their number. If rows are added later, only the file of the table's lock, table.lock, has
+    it, which is lost easily: it is no data, and not all programs copy it.
+    """
+    rows = len(columns[next(iter(columns))])  # type: ignore[arg-type]
+    with tables.table(str(path), ack=False) as empty:
+        description = empty.getdesc()
+    shutil.rmtree(path)
+    with tables.table(str(path), description, nrow=rows, ack=False) as subtable:
         for name, values in columns.items():
             subtable.putcol(name, values)
 
