@@ -13,8 +13,8 @@ from uvshear.typing import Array, Float
 def read_antennas(path: Path) -> tuple[Float[Array, "antenna 3"], Float[Array, " antenna"]]:
     """Return the position [m] and the diameter of the dish [m] of each antenna.
 
-    Positions that are not filled are NaN, and diameters that are not known 0; there is no antenna where the table cannot
-    be read. Visibilities can be used without them.
+    Positions that are not filled are NaN, and diameters that are not known 0. A table that cannot be read has no
+    antennas. Visibilities can be used without them.
     """
     try:
         with open_table(path, "ANTENNA") as table, casacore_errors(path, "ANTENNA"):
