@@ -36,8 +36,9 @@ from uvshear.io.catalogue import catalogue_from_galaxies
 CENTRE = PhaseCentre(0.5, np.radians(34.0))
 HALF = 10 * ARCMIN
 LAYOUT = load_layout("vla-a")
-DIAMETER = 95.0
-"""Diameter of dishes whose power beam falls to 20 per cent at the edge of the field [m]."""
+DIAMETER = 56.0
+"""Diameter of dishes whose power beam falls to 20 per cent at 10 arcmin, half of the width of the field [m]; in the
+corners of the field it is below 3 per cent."""
 HOURS = np.radians(15) * np.linspace(-3.5, 3.5, 16)
 LENGTH = 0.025 * np.radians(15)
 """Hour angles in the middle of the parts of the observation, and the length of each."""
