@@ -16,7 +16,7 @@ UNKNOWN_SIGMA: Final = 1.0
 
 In images of 576 galaxies with beams of 3, 6 and 10 arcsec, 76, 253 and 319 of the galaxies that PyBDSF found were not
 resolved. The logarithm of their true scale length over half of the upper limit had means of 0.01, -0.12 and -0.29 and
-standard deviations of 0.20, 0.22 and 0.28. The prior is wider by a factor of four, because the fields of real telescopes
+standard deviations of 0.20, 0.22 and 0.28. The prior is wider by a factor of four, because fields of real telescopes
 also have active nuclei and stars, which are much smaller."""
 
 

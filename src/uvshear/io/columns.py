@@ -231,7 +231,7 @@ class Columns:
         if given is None:
             return assumed
         try:
-            return units.Unit(given)
+            return _unit_of(given)
         except (ValueError, TypeError) as error:
             raise InputError(
                 f"--flux-unit {given} (flux_unit=): is not a unit; column '{self.source(column)}' needs one such as"
@@ -239,11 +239,8 @@ class Columns:
             ) from error
 
     def _parsed(self, column: str, stated: str) -> units.UnitBase:
-        own = self.table[self._sources[column].column].unit
-        if isinstance(own, units.UnitBase) and not isinstance(own, units.UnrecognizedUnit):
-            return own
         try:
-            return _SPELLINGS.get(stated.lower()) or units.Unit(stated)
+            return _unit_of(stated)
         except (ValueError, TypeError) as error:
             raise InputError(
                 f"{self._named(column)} is in '{stated}', which is no unit that is known"
@@ -267,10 +264,8 @@ class Columns:
                 )
             return float((assumed or unit).to(unit))
         try:
-            if not isinstance(found, units.UnitBase):
-                raise units.UnitConversionError  # magnitudes and decibels are no multiples of a unit
             return float(found.to(unit))
-        except (units.UnitConversionError, ValueError, TypeError) as error:
+        except units.UnitConversionError as error:
             needed = (
                 "but it must be dimensionless"
                 if unit == units.dimensionless_unscaled
@@ -303,6 +298,14 @@ class Columns:
                 f" {count[np.argmax(count > 1)]} times; every source needs its own id"
             )
         return identifier
+
+
+def _unit_of(text: str) -> units.UnitBase:
+    """Return the unit of a text; magnitudes and decibels, which are no multiples of a unit, are a ValueError."""
+    found = _SPELLINGS.get(text.lower()) or units.Unit(text)
+    if not isinstance(found, units.UnitBase):
+        raise ValueError(text)
+    return found
 
 
 def _numbers_of(texts: list[str]) -> tuple[Float[Array, " source"], Bool[Array, " source"]]:
