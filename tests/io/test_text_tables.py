@@ -30,6 +30,19 @@ def test_separator_and_names_are_found(separator, mark):
     _check(read_text(_text(separator, mark + separator.join(["ra", "dec", "flux"])).encode()))
 
 
+@pytest.mark.parametrize("separator", [",", ";", "\t", " ", "|"])
+def test_text_beyond_ascii_is_read(separator):
+    lines = [
+        separator.join(row)
+        for row in (["name", "\u03b1", "x"], ["\u22123", "1.5", "2"], ["b", "2", "3"])
+    ]
+    table = read_text("\n".join(lines).encode())
+    assert table.colnames == ["name", "\u03b1", "x"]
+    assert table["name"].tolist() == ["\u22123", "b"]
+    assert table["\u03b1"].tolist() == [1.5, 2.0]
+    assert table["x"].tolist() == [2, 3]
+
+
 @pytest.mark.parametrize(
     "change",
     [

@@ -116,9 +116,11 @@ class Layout:
         if not self.body:
             return Table(names=self.names, meta={"comments": list(self.comments)})
         # A last empty cell of a line between blanks is not a cell.
+        # The fast reader knows ASCII alone.
+        is_ascii = all(line.isascii() for line in self.body)
         found = Table.read(
             [line.strip(" ") for line in self.body],
-            format="ascii.fast_no_header",
+            format="ascii.fast_no_header" if is_ascii else "ascii.no_header",
             guess=False,
             delimiter=self.separator,
             names=self.names,
