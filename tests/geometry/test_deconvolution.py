@@ -37,9 +37,9 @@ def test_the_short_axis_counts_as_half_of_the_long_one_or_more():
 
 
 @pytest.mark.parametrize("source", [(6.0, 4.0, 1.1), (8.0, 5.0, 0.2), (5.0, 0.5, 2.0)])
-def test_the_error_of_the_width_is_the_scatter_under_errors_of_the_fit(source):
+@pytest.mark.parametrize("errors", [(0.08, 0.06, 0.03), (0.002, 0.002, 0.04)])
+def test_the_error_of_the_width_is_the_scatter_under_errors_of_the_fit(source, errors):
     """20000 draws: their standard deviation is known to 0.5 per cent, and the error is of first order."""
-    errors = (0.08, 0.06, 0.03)
     fitted = _fitted(source, errors)
     rng = np.random.default_rng(5)
     drawn = [
@@ -51,7 +51,7 @@ def test_the_error_of_the_width_is_the_scatter_under_errors_of_the_fit(source):
         FittedGaussians(*drawn, zero, zero, zero), np.repeat(_beam(), 20000, axis=0)
     )
     _, err, _ = deconvolved_widths(fitted, _beam())
-    # Without the error of the angle it is 4 per cent too small for the first; with a wrong sign of a term, 20 per cent.
+    # The second errors are almost those of the angle alone, without which nothing would be left.
     assert err[0] == pytest.approx(widths.std(), rel=0.03)
 
 

@@ -117,6 +117,7 @@ def test_identifiers_stay_as_they_are_written(cells, expected, separator):
         (b"ra,dec\n1,2\n3,\xe9\n", "line 3 has the byte 0xe9, which is not UTF-8"),
         (b"ra,dec,ra\n1,2,3\n", "two columns are called 'ra'"),
         (b"ra,,flux\n1,2,3\n", "column 2 has no name"),
+        (b'id,ra\na,1\n"b,2\nc,3\n"d",4\n', "its 4 lines of data give"),
         (b"1,2,3\n4,5,6\n", "no line has the names of its columns"),
         (b"# a list\n1,2,3\n4,5,6\n", "no line has the names of its columns"),
     ],
@@ -140,3 +141,11 @@ def test_ipac_and_ecsv_have_their_own_readers():
         "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: ra, unit: deg, datatype: float64}\nra\n17.5\n"
     )
     assert str(read_text(b"\xef\xbb\xbf" + ecsv.encode())["ra"].unit) == "deg"
+
+
+def test_a_quotation_mark_that_is_not_closed_does_not_swallow_rows():
+    ecsv = (
+        '# %ECSV 1.0\n# ---\n# datatype:\n# - {name: id, datatype: string}\nid\na\n"b\nc\nd"\ne\n'
+    )
+    with pytest.raises(InputError, match="its 5 lines of data give 3 rows"):
+        read_text(ecsv.encode())

@@ -6,8 +6,7 @@ from astropy.table import Table
 
 from uvshear.geometry.deconvolution import FittedGaussians, deconvolved_widths, matrix_of
 from uvshear.io.columns import Columns, NamedColumn
-from uvshear.io.source_finders import Sizes, SourceFinder
-from uvshear.typing import Array, Float
+from uvshear.io.source_finders import Sizes, SourceFinder, fitted_values
 
 _COLUMNS = {
     "id": NamedColumn("uuid"),
@@ -20,6 +19,10 @@ _COLUMNS = {
 }
 
 _ELLIPSES = ("a", "b", "pa", "psf_a", "psf_b", "psf_pa")
+_ERRORS = ("err_a", "err_b", "err_pa")
+_UNITS = {
+    name: units.deg if name.endswith("pa") else units.arcsec for name in (*_ELLIPSES, *_ERRORS)
+}
 
 
 class Aegean(SourceFinder):
@@ -40,24 +43,10 @@ class Aegean(SourceFinder):
         """Return the sizes of the fitted a, b, pa less the beam's psf_a, psf_b, psf_pa."""
         if not all(columns.has(name) for name in _ELLIPSES):
             return None
-        a, b, pa, psf_a, psf_b, psf_pa = (_angle(columns, name) for name in _ELLIPSES)
-        errors = (_error(columns, f"err_{name}", a) for name in ("a", "b", "pa"))
-        known = np.isfinite(a + b + pa + psf_a + psf_b + psf_pa)
-        fitted = FittedGaussians(
-            *(np.where(known, value, 0.0) for value in (a, b, pa)),
-            *errors,
-        )
-        beam = matrix_of(*(np.where(known, value, 0.0) for value in (psf_a, psf_b, psf_pa)))
+        values = np.array(fitted_values(columns, (*_ELLIPSES, *_ERRORS), _UNITS))
+        known = np.isfinite(values[: len(_ELLIPSES)]).all(axis=0)
+        a, b, pa, psf_a, psf_b, psf_pa, *errors = np.where(known, np.nan_to_num(values), 0.0)
+        # An error of -1 means that there is none.
+        fitted = FittedGaussians(a, b, pa, *(np.maximum(error, 0.0) for error in errors))
+        beam = matrix_of(psf_a, psf_b, psf_pa)
         return Sizes.from_widths(deconvolved_widths(fitted, beam)).where(known)
-
-
-def _angle(columns: Columns, name: str) -> Float[Array, " source"]:
-    unit = units.deg if name.endswith("pa") else units.arcsec
-    return columns.known(name, units.rad, assumed=unit)
-
-
-def _error(columns: Columns, name: str, like: Float[Array, " source"]) -> Float[Array, " source"]:
-    if not columns.has(name):
-        return np.zeros_like(like)
-    unit = units.deg if name.endswith("pa") else units.arcsec
-    return columns.error(name, units.rad, assumed=unit)

@@ -29,6 +29,7 @@ from uvshear.io.catalogue_columns import (
     spin_2,
 )
 from uvshear.io.column_map import check_column_map
+from uvshear.io.columns import shown
 from uvshear.io.tables import Wanted, read_table, write_table
 from uvshear.typing import Array, Bool, Complex, Float, Shaped
 
@@ -127,7 +128,7 @@ class Catalogue:
         """Return the galaxies before any shear; without sizes they are points, without ellipticities round."""
         l, m, n = self.directions(phase_centre)
         if np.any(n <= 0):
-            worst = self.identifier[int(np.argmin(n))]
+            worst = shown(self.identifier[int(np.argmin(n))])
             raise InputError(
                 f"source id {worst} is 90 degrees or more from the phase centre; "
                 "give a catalogue of the field that is observed"
@@ -224,6 +225,7 @@ def catalogue_from_table(
     flux_err = None
     if columns.has("flux_err"):
         flux_err = columns.error("flux_err", units.Jy, assumed=columns.unit_of("flux", flux_unit))
+        flux_err = np.where(flux_err < BRIGHTEST, flux_err, 0.0)
     frequency = frequencies(columns, reference_frequency)
     common = float(frequency[0])
     return Catalogue(

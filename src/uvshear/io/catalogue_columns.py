@@ -14,7 +14,7 @@ from uvshear.galaxy.registry import PROFILES
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.io.aegean import Aegean
 from uvshear.io.column_map import found_names
-from uvshear.io.columns import Columns, NamedColumn
+from uvshear.io.columns import Columns, NamedColumn, shown
 from uvshear.io.frames import EquatorialFrame, frame_of_metadata
 from uvshear.io.pybdsf import PyBDSF
 from uvshear.io.source_finders import Sizes, SourceFinder
@@ -32,7 +32,7 @@ GALAXY = "galaxy"
 profile of the model is an option of the measurement."""
 
 LARGEST: Final = 1.0
-"""Scale length that no source has [rad]."""
+"""Scale length that no source has, and error of a position that is no error [rad]."""
 
 
 def finder_of(names: Sequence[str]) -> SourceFinder | None:
@@ -146,11 +146,13 @@ def spin_2(
 
 
 def position_errors(columns: Columns) -> Float[Array, " source"] | None:
-    """Root of the mean of both axes' variances, if both have errors."""
+    """Root of the mean of both axes' variances, if both have errors; an absurd one counts as not known."""
     if not (columns.has("ra_err") and columns.has("dec_err")):
         return None
     ra, dec = (columns.error(name, units.rad, assumed=units.deg) for name in ("ra_err", "dec_err"))
-    return np.sqrt((ra**2 + dec**2) / 2)
+    # Fits that fail have errors of 1e6 degrees (https://github.com/lofar-astron/PyBDSF/issues/31).
+    err = np.hypot(ra, dec) / math.sqrt(2)
+    return np.where(err < LARGEST, err, 0.0)
 
 
 def points(columns: Columns) -> Bool[Array, " source"] | None:
@@ -162,7 +164,7 @@ def points(columns: Columns) -> Bool[Array, " source"] | None:
     known = np.isin(words, [POINT, "", *galaxies])
     if not known.all():
         raise InputError(
-            f"{columns.name}: column 'profile' has '{words[~known][0]}';"
+            f"{columns.name}: column '{columns.source('profile')}' has '{shown(words[~known][0])}';"
             f" '{POINT}' or one of {', '.join(repr(word) for word in galaxies)} is needed"
         )
     return words == POINT

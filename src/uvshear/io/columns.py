@@ -170,7 +170,7 @@ class Columns:
 
     def _row(self, row: int) -> str:
         """Name a row by the identifier of its source, or by its number, from 1."""
-        return f"id {self.identifier[row]}" if self.has_identifiers else f"row {row + 1}"
+        return f"id {shown(self.identifier[row])}" if self.has_identifiers else f"row {row + 1}"
 
     def _cells(self, column: str) -> np.ma.MaskedArray:
         try:
@@ -214,7 +214,7 @@ class Columns:
         if not good.all():
             row = int(np.argmin(good))
             raise InputError(
-                f"{self._named(column)} holds text ('{cells.data[row]!s:.40}' for {self._row(row)});"
+                f"{self._named(column)} holds text ('{shown(cells.data[row])}' for {self._row(row)});"
                 f" {needed} is needed"
             )
 
@@ -294,10 +294,16 @@ class Columns:
         values, count = np.unique(identifier, return_counts=True)
         if np.any(count > 1):
             raise InputError(
-                f"{self._named('id')}: {values[np.argmax(count > 1)]} occurs"
+                f"{self._named('id')}: {shown(values[np.argmax(count > 1)])} occurs"
                 f" {count[np.argmax(count > 1)]} times; every source needs its own id"
             )
         return identifier
+
+
+def shown(cell: object) -> str:
+    """Return a cell as a message may show it, in one line and not longer than 60 characters."""
+    text = str(cell)
+    return (text if text.isprintable() else ascii(text)[1:-1])[:60]
 
 
 def _unit_of(text: str) -> units.UnitBase:

@@ -9,7 +9,7 @@ Gaussian; otherwise it is taken from the image's header, which FITS lists have i
 
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from uvshear.geometry.deconvolution import (
     matrix_of,
 )
 from uvshear.io.columns import Columns, NamedColumn
-from uvshear.io.source_finders import Sizes, SourceFinder
+from uvshear.io.source_finders import LARGEST_ANGLE, Sizes, SourceFinder, fitted_values
 from uvshear.typing import Array, Float
 
 _IDENTIFIERS = ("Gaus_id", "Source_Name", "Source_name", "Source_id")
@@ -116,24 +116,23 @@ class PyBDSF(SourceFinder):
         return Sizes.from_widths(limit).where(limit.width > 0)
 
 
+def _values(columns: Columns, names: Sequence[str]) -> list[Float[Array, " source"]]:
+    """Return columns of ellipses [rad], 0 where there is no value."""
+    found = fitted_values(columns, names, dict.fromkeys(names, units.deg))
+    return [np.nan_to_num(values) for values in found]
+
+
 def _fitted(columns: Columns) -> FittedGaussians:
     """Return the fitted Gaussians; those without a size have 0."""
-    axes = [np.nan_to_num(columns.known(name, units.rad, assumed=units.deg)) for name in _FITTED]
-    errors = [
-        columns.error(f"E_{name}", units.rad, assumed=units.deg)
-        if columns.has(f"E_{name}")
-        else np.zeros_like(axes[0])
-        for name in _FITTED
-    ]
-    return FittedGaussians(*axes, *errors)
+    values = _values(columns, (*_FITTED, *(f"E_{name}" for name in _FITTED)))
+    angle = values[2]
+    major, minor, _, *errors = (np.maximum(value, 0.0) for value in values)
+    return FittedGaussians(major, minor, angle, *errors)
 
 
 def _own_widths(columns: Columns) -> Widths:
     """Return the geometric means of PyBDSF's own axes, the short one taken as half of the long one or more."""
-    long, short = (
-        np.nan_to_num(columns.known(name, units.rad, assumed=units.deg))
-        for name in _DECONVOLVED[:2]
-    )
+    long, short = np.maximum(_values(columns, _DECONVOLVED[:2]), 0.0)
     width = np.sqrt(long * np.maximum(short, 0.5 * long))
     return Widths(width, np.zeros_like(width), width > 0)
 
@@ -143,10 +142,7 @@ def _beam(
 ) -> Float[Array, "source 2 2"] | None:
     """Return the matrix of the beam at each source: its own where it can be told, else the median of the list."""
     if usable >= set(_DECONVOLVED):
-        without = [
-            np.nan_to_num(columns.known(name, units.rad, assumed=units.deg))
-            for name in _DECONVOLVED
-        ]
+        without = _values(columns, _DECONVOLVED)
         beams = fitted.matrix - matrix_of(*without)
         is_told = (without[1] > 0) & (np.linalg.eigvalsh(beams)[:, 0] > 0)
         if is_told.any():
@@ -158,6 +154,8 @@ def _beam(
     try:
         ellipse = [np.radians([float(header[name])]) for name in ("BMAJ", "BMIN", "BPA")]
     except ValueError:
+        return None
+    if not all(0 <= abs(value[0]) < LARGEST_ANGLE for value in ellipse):
         return None
     return np.broadcast_to(matrix_of(*ellipse), (len(fitted.major), 2, 2))
 

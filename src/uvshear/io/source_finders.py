@@ -7,11 +7,12 @@ exponential disc. A source that the finder does not resolve is a galaxy whose si
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Self
 
 import numpy as np
+from astropy import units
 from astropy.table import Table
 
 from uvshear.galaxy.size import UNKNOWN_SIGMA
@@ -25,6 +26,9 @@ FWHM_OF_SCALE_LENGTH = 2 * 1.6783469900166605
 BELOW_LIMIT = 0.5
 """Scale length that is assumed for a source that is not resolved, as a fraction of the upper limit; ``UNKNOWN_SIGMA``
 has the measurement."""
+
+LARGEST_ANGLE = 10.0
+"""Axes and position angles beyond this are no fits [rad]."""
 
 
 class Sizes(NamedTuple):
@@ -58,6 +62,29 @@ class Sizes(NamedTuple):
         return type(self)(
             np.where(known, self.scale_length, np.nan), np.where(known, self.err, 0.0)
         )
+
+
+def fitted_values(
+    columns: Columns, names: Sequence[str], assumed: Mapping[str, units.UnitBase]
+) -> list[Float[Array, " source"]]:
+    """Return columns of a fitted ellipse [rad], NaN where there is no value or one that no source has.
+
+    Parameters
+    ----------
+    columns
+        The table.
+    names
+        Names of the columns; those that the table lacks are zero.
+    assumed
+        Unit of each column where the table gives none.
+    """
+    found = []
+    for name in names:
+        values = np.zeros(len(columns.identifier))
+        if columns.has(name):
+            values = columns.known(name, units.rad, assumed=assumed[name])
+        found.append(np.where(np.abs(values) < LARGEST_ANGLE, values, np.nan))
+    return found
 
 
 @dataclass(frozen=True)

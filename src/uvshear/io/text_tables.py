@@ -46,7 +46,9 @@ def read_text(content: bytes, texts: Collection[str] = ()) -> Table:
     lines = _decoded(content).replace("\r\n", "\n").replace("\r", "\n").split("\n")
     first = next((line.strip() for line in lines if line.strip()), "")
     if first.startswith("# %ECSV"):
-        return Table.read(lines, format="ascii.ecsv")
+        table = Table.read(lines, format="ascii.ecsv")
+        body = [line for line in lines if line.strip() and not line.startswith("#")]
+        return _one_row_a_line(table, len(body) - 1)
     if first.startswith(("\\", "|")) and any(line.startswith("|") for line in lines[:1000]):
         return Table.read(lines, format="ascii.ipac")
     layout = Layout.from_lines(lines)
@@ -126,6 +128,7 @@ class Layout:
             names=self.names,
             fill_values=[(word, "0") for word in NO_VALUE],
         )
+        _one_row_a_line(found, len(self.body))
         for name in set(texts) & set(self.names):
             found[name] = self._identifiers(self.names.index(name))
         for name, unit in zip(self.names, self.units, strict=False):
@@ -138,6 +141,16 @@ class Layout:
         if all(_is_plain_integer(cell) for cell in cells):
             return Column([int(cell) for cell in cells])
         return MaskedColumn(cells, mask=[cell == "" for cell in cells])
+
+
+def _one_row_a_line(table: Table, lines: int) -> Table:
+    """Refuse a table of which a quotation mark that is not closed has swallowed rows."""
+    if len(table) != lines:
+        raise InputError(
+            f"its {lines} lines of data give {len(table)} rows; a quotation mark is not closed, or a cell goes over"
+            " several lines"
+        )
+    return table
 
 
 def _decoded(content: bytes) -> str:
