@@ -3,7 +3,8 @@ import pytest
 from scipy.stats import lognorm
 
 from uvshear.constants import ARCSEC
-from uvshear.galaxy import SizeFluxRelation, SizePrior
+from uvshear.galaxy import CatalogueSize, SizeFluxRelation, SizePrior
+from uvshear.galaxy.size import UNKNOWN_SIGMA
 
 
 def test_median_is_the_papers_relation():
@@ -39,3 +40,24 @@ def test_relation_and_selection_give_the_prior_of_each_source():
     chosen = prior.select(np.array([2, 0]))
     np.testing.assert_array_equal(chosen.log_median, prior.log_median[[2, 0]])
     assert chosen.sigma == pytest.approx([0.3136, 0.3136])
+
+
+def test_the_prior_about_a_catalogue_s_size_widens_with_its_error():
+    size, flux = np.array([1.0, 2.0, 3.0]) * ARCSEC, np.full(3, 1e-4)
+    without = CatalogueSize(0.3).prior(flux, size)
+    np.testing.assert_allclose(without.log_median, np.log(size))
+    np.testing.assert_allclose(without.sigma, 0.3)
+    prior = CatalogueSize(0.3).prior(flux, size, np.array([0.0, 0.2, 6.0]) * ARCSEC)
+    np.testing.assert_allclose(prior.log_median, np.log(size))
+    np.testing.assert_allclose(prior.sigma**2, 0.09 + np.log([1.0, 1.01, 5.0]))
+    # A lognormal distribution of this width has the relative standard deviation of the error.
+    assert lognorm.std(np.sqrt(np.log(5.0)), scale=1.0) == pytest.approx(
+        2.0 * lognorm.mean(np.sqrt(np.log(5.0)), scale=1.0)
+    )
+
+
+def test_a_size_that_is_not_known_follows_from_the_flux_with_a_wide_prior():
+    flux = np.array([1e-5, 1e-4])
+    prior = CatalogueSize(0.3).prior(flux, np.array([np.nan, 1e-5]), np.zeros(2))
+    assert prior.log_median[0] == SizeFluxRelation().log_median(flux)[0]
+    np.testing.assert_allclose(prior.sigma**2, [0.09 + UNKNOWN_SIGMA**2, 0.09])

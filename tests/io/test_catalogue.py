@@ -7,7 +7,7 @@ from astropy import units
 from astropy.table import MaskedColumn, QTable, Table
 
 from uvshear.constants import ARCSEC
-from uvshear.errors import InputError
+from uvshear.errors import DataWarning, InputError
 from uvshear.galaxy import PROFILES
 from uvshear.galaxy.galaxies import Galaxies
 from uvshear.geometry.directions import PhaseCentre
@@ -59,7 +59,8 @@ def test_every_format_with_units_gives_the_same_catalogue(tmp_path: Path, suffix
 def test_csv_takes_its_flux_unit_from_the_option(tmp_path: Path) -> None:
     path = tmp_path / "cat.csv"
     path.write_text("l,m,flux\n0.001,0.002,50\n-0.001,0,70\n")
-    catalogue = read_catalogue(path, flux_unit="uJy")
+    with pytest.warns(DataWarning, match="has no column of identifiers; its sources are numbered"):
+        catalogue = read_catalogue(path, flux_unit="uJy")
     np.testing.assert_allclose(catalogue.flux, [5e-5, 7e-5])
     assert catalogue.identifier.tolist() == [1, 2]
     assert catalogue.l is not None
@@ -91,7 +92,8 @@ def test_pybdsf_lists_are_recognised() -> None:
         },
         meta={"FREQ0": 9.5e8},
     )
-    catalogue = catalogue_from_table(table)
+    with pytest.warns(DataWarning, match="no sizes with units are in it"):
+        catalogue = catalogue_from_table(table)
     assert catalogue.identifier.tolist() == [0, 1]
     assert catalogue.flux.tolist() == [1e-3, 2e-3]
     assert catalogue.reference_frequency == 9.5e8

@@ -13,7 +13,9 @@ from uvshear.pipeline.catalogue import catalogue_of
 
 @pytest.fixture
 def table():
-    return Table({"l": [0.0, 1e-3], "m": [0.0, 2e-3], "flux": [10.0, 20.0] * units.uJy})
+    return Table(
+        {"id": [1, 2], "l": [0.0, 1e-3], "m": [0.0, 2e-3], "flux": [10.0, 20.0] * units.uJy}
+    )
 
 
 def test_a_table_a_file_and_a_catalogue_are_taken_alike(table, tmp_path):

@@ -117,3 +117,11 @@ def test_sizes_that_a_catalogue_lacks_are_drawn_and_told(plan):
     with pytest.warns(DataWarning):
         again = simulate(sources, plan, seed=5)
     np.testing.assert_array_equal(again.galaxies.scale_length, drawn)
+
+
+def test_only_the_sizes_that_are_missing_are_drawn(plan, catalogue):
+    partial = replace(catalogue, scale_length=np.array([1e-5, np.nan, 3e-5]))
+    with pytest.warns(DataWarning, match="no scale_length for 1 of its 3 sources"):
+        drawn = simulate(partial, plan, seed=None).galaxies.scale_length
+    assert drawn[[0, 2]].tolist() == [1e-5, 3e-5]
+    assert 0 < drawn[1] < 1e-4

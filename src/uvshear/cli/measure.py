@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uvshear.cli.beams import NONE, PrimaryBeamOption, beam_of_observation
+from uvshear.cli.catalogues import ColumnMapOption, FluxUnitOption, catalogue_of_options, file_of
 from uvshear.cli.convergence import tell_convergence
 from uvshear.cli.extractions import CONVERGED, ExtractionChoice, FacetName
 from uvshear.cli.missing_statistics import tell_missing_statistics
@@ -118,13 +119,8 @@ def measure(
             help="Use flagged visibilities as well, for a first look.",
         ),
     ] = False,
-    flux_unit: Annotated[
-        str | None,
-        typer.Option(
-            rich_help_panel=DATA,
-            help="Unit of the catalogue's fluxes, such as uJy or mJy, for files without units (CSV).",
-        ),
-    ] = None,
+    flux_unit: FluxUnitOption = None,
+    column_map: ColumnMapOption = None,
     reference_frequency_mhz: Annotated[
         float | None,
         typer.Option(
@@ -274,14 +270,13 @@ def measure(
     from uvshear.estimators.registry import estimators_of
     from uvshear.execution import Resources, in_threads
     from uvshear.extraction import MeasurementOptions, Method, Model
-    from uvshear.io.catalogue import read_catalogue
     from uvshear.pipeline.measure import measure as measure_sources
     from uvshear.pipeline.measurement import check_outputs
     from uvshear.pipeline.outcome import tally, why_none_was_measured
 
-    check_outputs(output, overwrite=overwrite, inputs=(catalogue,))
+    check_outputs(output, overwrite=overwrite, inputs=(file_of(catalogue),))
     if residual_image is not None:
-        check_residual_image(residual_image, output, catalogue, overwrite=overwrite)
+        check_residual_image(residual_image, output, file_of(catalogue), overwrite=overwrite)
     with named_by("--keep", keep or ""):
         kept = estimators_of(keep or ())
     method = Method(
@@ -300,7 +295,7 @@ def measure(
             " primary beam; use --extraction converged"
         )
     frequency = None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6
-    sources = read_catalogue(catalogue, flux_unit=flux_unit, reference_frequency=frequency)
+    sources = catalogue_of_options(catalogue, flux_unit, column_map, frequency)
     reading = reading_of(
         column,
         field,

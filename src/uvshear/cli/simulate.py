@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uvshear.cli.beams import NONE, PrimaryBeamOption, beam_of_dishes
+from uvshear.cli.catalogues import ColumnMapOption, FluxUnitOption, catalogue_of_options
 from uvshear.cli.options import (
     Overwrite,
     Pair,
@@ -28,7 +29,7 @@ from uvshear.cli.options import (
     positive_range,
     reduced_shear,
 )
-from uvshear.cli.panels import ARRAY, DATA, MODEL, NOISE, SKY
+from uvshear.cli.panels import ARRAY, MODEL, NOISE, SKY
 from uvshear.cli.registered import PROFILES, profile_named_by_option
 from uvshear.cli.terminal import progress_bar, say, warn
 from uvshear.errors import DataWarning, InputError
@@ -233,13 +234,8 @@ def simulate(
             help=f"Brightness profile of all galaxies: {PROFILES}.",
         ),
     ] = "exponential",
-    flux_unit: Annotated[
-        str | None,
-        typer.Option(
-            rich_help_panel=DATA,
-            help="Unit of the catalogue's fluxes, such as uJy or mJy, for files without units (CSV).",
-        ),
-    ] = None,
+    flux_unit: FluxUnitOption = None,
+    column_map: ColumnMapOption = None,
     seed: Seed = 1,
     threads: Threads = 0,
     overwrite: Overwrite = False,
@@ -266,7 +262,6 @@ def simulate(
     from uvshear.interferometer.layout import load_layout
     from uvshear.interferometer.plan import ObservingPlan
     from uvshear.interferometer.spectral_window import Channels
-    from uvshear.io.catalogue import read_catalogue
     from uvshear.io.measurement_set.writer import write_measurement_set
     from uvshear.io.outputs import check_output
     from uvshear.pipeline.simulate import simulate as simulate_observation
@@ -275,7 +270,7 @@ def simulate(
     check_output(output, overwrite=overwrite)
     brightness = profile_named_by_option(profile)
     executor = in_threads(threads)
-    sources = read_catalogue(catalogue, flux_unit=flux_unit)
+    sources = catalogue_of_options(catalogue, flux_unit, column_map)
     centre = phase_centre_of(sources, ra_deg, declination_deg)
     limit = None if no_elevation_limit else math.radians(elevation_limit_deg)
     array = load_layout(layout)

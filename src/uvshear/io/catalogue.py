@@ -1,6 +1,7 @@
 """Catalogues of sources: any table astropy reads, checked, in SI and radians."""
 
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,29 +11,27 @@ import numpy as np
 from astropy import units
 from astropy.table import Column, Table
 
-from uvshear.constants import (
-    ARCSEC,
-    MICROJANSKY,
-    RADIO_FREQUENCIES,
-    REFERENCE_FREQUENCY,
-    SPECTRAL_INDEX,
-)
-from uvshear.errors import InputError
+from uvshear.constants import ARCSEC, MICROJANSKY, REFERENCE_FREQUENCY, SPECTRAL_INDEX
+from uvshear.errors import DataWarning, InputError
 from uvshear.galaxy.galaxies import Galaxies
-from uvshear.galaxy.registry import PROFILES
 from uvshear.geometry.directions import PhaseCentre, direction_cosines, equatorial
-from uvshear.io.columns import Columns
-from uvshear.io.source_finders import in_our_columns
-from uvshear.io.tables import read_table, write_table
+from uvshear.io.catalogue_columns import (
+    GALAXY,
+    POINT,
+    columns_of,
+    field_centre,
+    frequencies,
+    has_positions_and_fluxes,
+    points,
+    position_errors,
+    positions,
+    sizes,
+    spin_2,
+)
+from uvshear.io.column_map import check_column_map
+from uvshear.io.columns import shown
+from uvshear.io.tables import Wanted, read_table, write_table
 from uvshear.typing import Array, Bool, Complex, Float, Shaped
-
-REFERENCE_FREQUENCY_KEYS = ("reference_frequency", "reffreq", "freq0")
-"""Keys of the metadata that state the frequency of the fluxes; the last is PyBDSF's."""
-
-POINT = "point"
-GALAXY = "galaxy"
-"""Words of the column ``profile``. An empty cell or the name of any known profile stands for a galaxy as well; the
-profile of the model is an option of the measurement."""
 
 BRIGHTEST: Final = 1e10
 """Flux density that no source has [Jy]; the Sun reaches a hundredth of it in its strongest bursts."""
@@ -40,8 +39,10 @@ BRIGHTEST: Final = 1e10
 STEEPEST: Final = 100.0
 """Largest spectral index, of either sign, that can be computed with; fits to few channels give wild values."""
 
-LARGEST: Final = 1.0
-"""Scale length that no source has [rad]."""
+IDENTIFIERS: Final = frozenset(
+    {"id", "ID", "Id", "Source_Name", "Source_name", "Source_id", "Gaus_id", "uuid"}
+)
+"""Columns that may have identifiers, which stay text in formats without types."""
 
 
 @dataclass(frozen=True)
@@ -61,12 +62,14 @@ class Catalogue:
     l, m
         Direction cosines from the phase centre; None where the catalogue gives (ra, dec).
     scale_length
-        Scale length alpha of the profile [rad]; None where the catalogue has none.
+        Scale length alpha of the profile [rad], NaN where it is not known; None where the catalogue has none.
     ellipticity
         e1 + i e2 in the (l, m) frame, in simulated catalogues; never used in a measurement.
     shear
         Reduced shear g1 + i g2 of each source for simulations, in the frame of local North (TreeCorr's convention for
         RA and Dec); None where the catalogue has none. It is not part of ``ellipticity``.
+    scale_length_err
+        Standard error of ``scale_length`` [rad], 0 where it is not known; None where the catalogue has none.
     flux_err
         Standard deviation of the flux [Jy], 0 where it is not known; None where the catalogue has none.
     position_err
@@ -90,6 +93,7 @@ class Catalogue:
     scale_length: Float[Array, " source"] | None = None
     ellipticity: Complex[Array, " source"] | None = None
     shear: Complex[Array, " source"] | None = None
+    scale_length_err: Float[Array, " source"] | None = None
     flux_err: Float[Array, " source"] | None = None
     position_err: Float[Array, " source"] | None = None
     is_point: Bool[Array, " source"] | None = None
@@ -124,7 +128,7 @@ class Catalogue:
         """Return the galaxies before any shear; without sizes they are points, without ellipticities round."""
         l, m, n = self.directions(phase_centre)
         if np.any(n <= 0):
-            worst = self.identifier[int(np.argmin(n))]
+            worst = shown(self.identifier[int(np.argmin(n))])
             raise InputError(
                 f"source id {worst} is 90 degrees or more from the phase centre; "
                 "give a catalogue of the field that is observed"
@@ -147,20 +151,49 @@ def read_catalogue(
     *,
     flux_unit: str | None = None,
     reference_frequency: float | None = None,
+    column_map: Mapping[str, str] | None = None,
 ) -> Catalogue:
     """Read a catalogue in ECSV, FITS, VOTable, CSV and similar formats, or a source list of PyBDSF or Aegean as it is.
 
     Parameters
     ----------
+    path
+        The file, compressed or not; ``FILE.fits[2]`` or ``FILE.fits[NAME]`` chooses one of several tables.
     flux_unit
         Unit of a flux column that has none (CSV), as astropy spells it.
     reference_frequency
         Frequency of the fluxes [Hz], in place of the one that the file states.
+    column_map
+        Names of the file's columns that differ from those of this package, such as ``{"ra": "RAJ2000"}``.
+
+    Warns
+    -----
+    DataWarning
+        The catalogue has no identifiers; its table was chosen among several; or the source finder's sizes cannot be
+        used.
     """
-    table = read_table(Path(path), "catalogue")
-    return catalogue_from_table(
-        table, str(path), flux_unit=flux_unit, reference_frequency=reference_frequency
+    given = dict(column_map or {})
+    check_column_map(given)
+    wanted = Wanted(
+        "catalogue",
+        suits=lambda names: has_positions_and_fluxes(names, given),
+        texts=IDENTIFIERS | ({given["id"]} if "id" in given else set()),
     )
+    table = read_table(Path(path), wanted)
+    catalogue = catalogue_from_table(
+        table,
+        str(path),
+        flux_unit=flux_unit,
+        reference_frequency=reference_frequency,
+        column_map=given,
+    )
+    if not columns_of(table, str(path), given).has_identifiers:
+        warnings.warn(
+            f"{path}: has no column of identifiers; its sources are numbered by row, from 1",
+            DataWarning,
+            stacklevel=2,
+        )
+    return catalogue
 
 
 def catalogue_from_table(
@@ -169,16 +202,18 @@ def catalogue_from_table(
     *,
     flux_unit: str | None = None,
     reference_frequency: float | None = None,
+    column_map: Mapping[str, str] | None = None,
 ) -> Catalogue:
     """Check a table and turn it into a catalogue; error messages call the table by ``name``."""
+    check_column_map(column_map or {})
     if len(table) == 0:
         raise InputError(f"{name}: has no rows; a catalogue of at least one source is needed")
-    columns = Columns(in_our_columns(table), name)
+    columns = columns_of(table, name, column_map or {})
     flux = columns.number("flux", units.Jy, given=flux_unit, needs_unit=True)
     columns.require("flux", flux > 0, "a positive flux density (here in Jy) is needed", flux)
     columns.require("flux", flux < BRIGHTEST, f"less than {BRIGHTEST:g} Jy is needed", flux)
 
-    position = _positions(columns)
+    position = positions(columns)
 
     index = np.full(len(table), SPECTRAL_INDEX)
     if columns.has("spectral_index"):
@@ -186,141 +221,28 @@ def catalogue_from_table(
         needed = f"-{STEEPEST:g} to {STEEPEST:g} is needed"
         columns.require("spectral_index", np.abs(index) <= STEEPEST, needed, index)
 
-    scale_length = None
-    if columns.has("scale_length"):
-        scale_length = columns.number("scale_length", units.rad, assumed=units.arcsec)
-        columns.require("scale_length", scale_length >= 0, "a size >= 0 is needed", scale_length)
-        fits = scale_length < LARGEST
-        columns.require("scale_length", fits, "a size below 1 rad is needed", scale_length)
-
+    size = sizes(columns)
     flux_err = None
     if columns.has("flux_err"):
         flux_err = columns.error("flux_err", units.Jy, assumed=columns.unit_of("flux", flux_unit))
-    frequency = _frequencies(columns, reference_frequency)
+        flux_err = np.where(flux_err < BRIGHTEST, flux_err, 0.0)
+    frequency = frequencies(columns, reference_frequency)
     common = float(frequency[0])
     return Catalogue(
         identifier=columns.identifier,
         flux=flux * (common / frequency) ** index,
         flux_err=None if flux_err is None else flux_err * (common / frequency) ** index,
-        position_err=_position_errors(columns),
+        position_err=position_errors(columns),
         spectral_index=index,
-        scale_length=scale_length,
-        ellipticity=_spin_2(columns, "e1", "e2", "|e| = (a-b)/(a+b) below 1 is needed"),
-        shear=_spin_2(columns, "shear1", "shear2", "a reduced shear below 1 is needed"),
-        is_point=_points(columns),
+        scale_length=None if size is None else size.scale_length,
+        scale_length_err=None if size is None or not size.err.any() else size.err,
+        ellipticity=spin_2(columns, "e1", "e2", "|e| = (a-b)/(a+b) below 1 is needed"),
+        shear=spin_2(columns, "shear1", "shear2", "a reduced shear below 1 is needed"),
+        is_point=points(columns),
         reference_frequency=common,
-        field_centre=_field_centre(columns),
+        field_centre=field_centre(columns),
         **position,
     )
-
-
-def _positions(columns: Columns) -> dict[str, Float[Array, " source"]]:
-    """Read (ra, dec) where the table has them, else (l, m)."""
-    for pair in (("ra", "dec"), ("l", "m")):
-        there = [columns.has(name) for name in pair]
-        if any(there) and not all(there):
-            absent = pair[there.index(False)]
-            raise InputError(
-                f"{columns.name}: has no column '{absent}' to go with '{pair[there.index(True)]}'"
-            )
-    if columns.has("ra"):
-        ra = columns.number("ra", units.rad, assumed=units.deg)
-        dec = columns.number("dec", units.rad, assumed=units.deg)
-        columns.require(
-            "dec", np.abs(dec) <= math.pi / 2, "-90 to 90 degrees is needed", np.degrees(dec)
-        )
-        return {"ra": ra, "dec": dec}
-    if columns.has("l"):
-        l = columns.number("l", units.rad, assumed=units.rad)
-        m = columns.number("m", units.rad, assumed=units.rad)
-        radius = np.hypot(l, m)
-        columns.require("l, m", radius < 1, "l^2 + m^2 < 1 is needed (radians)", radius)
-        return {"l": l, "m": m}
-    raise InputError(
-        f"{columns.name}: has no positions; columns 'ra' and 'dec' (deg), or 'l' and 'm' (rad),"
-        f" are needed (it has {', '.join(columns.names)})"
-    )
-
-
-def _spin_2(
-    columns: Columns, first: str, second: str, needed: str
-) -> Complex[Array, " source"] | None:
-    """Return both components as a complex number below 1 in modulus, if the table has them."""
-    if not (columns.has(first) or columns.has(second)):
-        return None
-    if not (columns.has(first) and columns.has(second)):
-        absent = first if columns.has(second) else second
-        raise InputError(
-            f"{columns.name}: has no column '{absent}'; give both {first} and {second}, or neither"
-        )
-    real, imaginary = (
-        columns.number(name, units.dimensionless_unscaled) for name in (first, second)
-    )
-    value = real + 1j * imaginary
-    columns.require(f"{first}, {second}", np.abs(value) < 1, needed, value)
-    return value
-
-
-def _position_errors(columns: Columns) -> Float[Array, " source"] | None:
-    """Root of the mean of both axes' variances, if both have errors."""
-    if not (columns.has("ra_err") and columns.has("dec_err")):
-        return None
-    ra, dec = (columns.error(name, units.rad, assumed=units.deg) for name in ("ra_err", "dec_err"))
-    return np.sqrt((ra**2 + dec**2) / 2)
-
-
-def _points(columns: Columns) -> Bool[Array, " source"] | None:
-    """Tell which sources the column ``profile`` calls points; all others are galaxies."""
-    if not columns.has("profile"):
-        return None
-    words = columns.words("profile")
-    galaxies = (GALAXY, *PROFILES.names())
-    known = np.isin(words, [POINT, "", *galaxies])
-    if not known.all():
-        raise InputError(
-            f"{columns.name}: column 'profile' has '{words[~known][0]}';"
-            f" '{POINT}' or one of {', '.join(repr(word) for word in galaxies)} is needed"
-        )
-    return words == POINT
-
-
-def _field_centre(columns: Columns) -> PhaseCentre | None:
-    metadata = columns.metadata
-    try:
-        return PhaseCentre(math.radians(metadata["ra0_deg"]), math.radians(metadata["dec0_deg"]))
-    except (KeyError, TypeError):
-        return None
-
-
-def _frequencies(columns: Columns, option: float | None) -> Float[Array, " source"]:
-    """Frequency of each flux: from the option, else the column, else the metadata, else 1.4 GHz."""
-    frequency = np.full(len(columns.identifier), REFERENCE_FREQUENCY)
-    if option is not None:
-        frequency[:] = option
-    elif columns.has("reference_frequency"):
-        frequency = columns.number("reference_frequency", units.Hz, assumed=units.Hz)
-    else:
-        metadata = columns.metadata
-        stated = [metadata[key] for key in REFERENCE_FREQUENCY_KEYS if key in metadata]
-        if stated:
-            try:
-                quantity = units.Quantity(stated[0])
-                if quantity.unit.is_equivalent(units.dimensionless_unscaled):
-                    quantity = quantity * units.Hz
-                frequency[:] = quantity.to_value(units.Hz)
-            except (TypeError, ValueError) as error:
-                raise InputError(
-                    f"{columns.name}: its metadata give the reference frequency {stated[0]!r};"
-                    " a number of Hz or a text such as '1.4 GHz' is needed"
-                ) from error
-    lowest, highest = RADIO_FREQUENCIES
-    good = (frequency >= lowest) & (frequency <= highest)
-    if not good.all():
-        raise InputError(
-            f"{columns.name}: the reference frequency is {frequency[~good][0]:g} Hz;"
-            f" a frequency from {lowest:g} to {highest:g} Hz is needed"
-        )
-    return frequency
 
 
 def catalogue_from_galaxies(
@@ -366,6 +288,8 @@ def catalogue_table(catalogue: Catalogue, provenance: Mapping[str, str] | None =
         "arcsec",
         "scale length alpha of the profile",
     )
+    if (err := catalogue.scale_length_err) is not None:
+        add("scale_length_err", err / ARCSEC, "arcsec", "standard error of scale_length")
     add("spectral_index", catalogue.spectral_index, None, "beta in S ~ frequency^beta")
     if catalogue.ellipticity is not None:
         frame = "e = e1 + i e2, |e| = (a-b)/(a+b), (l East, m North) frame of the phase centre"

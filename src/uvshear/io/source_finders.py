@@ -1,36 +1,90 @@
-"""Catalogues as source finders write them, in the columns that this package knows.
+"""Catalogues as source finders write them, read through the columns that this package knows.
 
-A source finder fits Gaussians to an image. The deconvolved size of a Gaussian gives the scale length of a disc with the
-same half-light radius, which is FWHM/2 of a Gaussian and 1.678 scale lengths of an exponential disc. A source that the
-finder does not resolve is a point source.
+A source finder fits Gaussians to an image. The deconvolved width of a Gaussian (``geometry.deconvolution``) gives the
+scale length of a disc with the same half-light radius, which is FWHM/2 of a Gaussian and 1.678 scale lengths of an
+exponential disc. A source that the finder does not resolve is a galaxy whose size is below a limit.
 """
 
+import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from astropy import units
-from astropy.table import Column, MaskedColumn, Table
+from astropy.table import Table
 
-from uvshear.typing import Array, Float
+from uvshear.galaxy.size import UNKNOWN_SIGMA
+from uvshear.geometry.deconvolution import Widths
+from uvshear.io.columns import Columns, NamedColumn
+from uvshear.typing import Array, Bool, Float
 
 FWHM_OF_SCALE_LENGTH = 2 * 1.6783469900166605
 """Full width at half maximum of a Gaussian over the scale length of a disc of the same half-light radius."""
 
+BELOW_LIMIT = 0.5
+"""Scale length that is assumed for a source that is not resolved, as a fraction of the upper limit; ``UNKNOWN_SIGMA``
+has the measurement."""
 
-ADDED = frozenset(
-    {
-        "scale_length",
-        "profile",
-        "spectral_index",
-        "reference_frequency",
-        "e1",
-        "e2",
-        "shear1",
-        "shear2",
-    }
-)
-"""Columns of this package that a user may have added to a source finder's table."""
+LARGEST_ANGLE = 10.0
+"""Axes and position angles beyond this are no fits [rad]."""
+
+
+class Sizes(NamedTuple):
+    """Scale lengths from a source finder [rad], NaN where they are not known, and their standard errors.
+
+    Parameters
+    ----------
+    scale_length
+        Scale length of each source.
+    err
+        Standard error of the scale length, 0 where it is not known.
+    """
+
+    scale_length: Float[Array, " source"]
+    err: Float[Array, " source"]
+
+    @classmethod
+    def from_widths(cls, widths: Widths) -> Self:
+        """Return the sizes of discs; a source that is not resolved has half the limit, with a wide error."""
+        alpha = widths.width / FWHM_OF_SCALE_LENGTH
+        below = BELOW_LIMIT * alpha
+        # This relative error makes the standard deviation of the logarithm UNKNOWN_SIGMA.
+        wide = math.sqrt(math.expm1(UNKNOWN_SIGMA**2))
+        return cls(
+            np.where(widths.is_resolved, alpha, below),
+            np.where(widths.is_resolved, widths.err / FWHM_OF_SCALE_LENGTH, wide * below),
+        )
+
+    def where(self, known: Bool[Array, " source"]) -> Self:
+        """Return the sizes that are known, and NaN for the others."""
+        return type(self)(
+            np.where(known, self.scale_length, np.nan), np.where(known, self.err, 0.0)
+        )
+
+
+def fitted_values(
+    columns: Columns, names: Sequence[str], assumed: Mapping[str, units.UnitBase]
+) -> list[Float[Array, " source"]]:
+    """Return columns of a fitted ellipse [rad], NaN where there is no value or one that no source has.
+
+    Parameters
+    ----------
+    columns
+        The table.
+    names
+        Names of the columns; those that the table lacks are zero.
+    assumed
+        Unit of each column where the table gives none.
+    """
+    found = []
+    for name in names:
+        values = np.zeros(len(columns.identifier))
+        if columns.has(name):
+            values = columns.known(name, units.rad, assumed=assumed[name])
+        found.append(np.where(np.abs(values) < LARGEST_ANGLE, values, np.nan))
+    return found
 
 
 @dataclass(frozen=True)
@@ -39,127 +93,27 @@ class SourceFinder(ABC):
 
     Parameters
     ----------
+    name
+        Name of the program.
     signature
         Columns by which its tables are recognised.
-    columns
-        For each of its columns, the name in this package and the unit to assume where a file gives none.
     """
 
+    name: str
     signature: frozenset[str]
-    columns: dict[str, tuple[str, units.UnitBase | None]] = field(default_factory=dict)
 
-    def writes(self, table: Table) -> bool:
-        """Tell whether a table is one of this finder's."""
-        return self.signature <= set(table.colnames)
-
-    def translated(self, table: Table) -> Table:
-        """Return the table in the columns of this package."""
-        found = Table(meta=table.meta)
-        for theirs, (ours, unit) in self.columns.items():
-            if theirs in table.colnames:
-                column = table[theirs].copy()
-                if column.unit is None or str(column.unit).strip() == "":
-                    column.unit = unit
-                found[ours] = column
-        for name in table.colnames:
-            # Columns that a user has added take precedence.
-            if name.lower() in ADDED and name not in found.colnames:
-                found[name.lower()] = table[name]
-        width = self.deconvolved(table)
-        if width is not None:
-            if "scale_length" not in found.colnames:
-                found["scale_length"] = Column(width / FWHM_OF_SCALE_LENGTH, unit="arcsec")
-            if "profile" not in found.colnames:
-                found["profile"] = np.where(width > 0, "galaxy", "point")
-        return found
+    def wrote(self, columns: Collection[str]) -> bool:
+        """Tell whether a table with these columns is one of this finder's."""
+        return self.signature <= set(columns)
 
     @abstractmethod
-    def deconvolved(self, table: Table) -> Float[Array, " source"] | None:
-        """Return the geometric mean of the deconvolved FWHM [arcsec], 0 where not resolved; None without sizes."""
+    def sources(self, table: Table) -> dict[str, NamedColumn]:
+        """Return its columns by the names of this package."""
 
+    @abstractmethod
+    def sizes(self, columns: Columns) -> Sizes | None:
+        """Return the sizes of its sources; None if it gives none."""
 
-class PyBDSF(SourceFinder):
-    """Source lists (.srl) and lists of Gaussians (.gaul) of PyBDSF."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            frozenset({"RA", "DEC", "Total_flux"}),
-            {
-                "Source_id": ("id", None),
-                "Gaus_id": ("id", None),
-                "RA": ("ra", units.deg),
-                "DEC": ("dec", units.deg),
-                "E_RA": ("ra_err", units.deg),
-                "E_DEC": ("dec_err", units.deg),
-                "Total_flux": ("flux", None),
-                "E_Total_flux": ("flux_err", None),
-            },
-        )
-
-    def deconvolved(self, table: Table) -> Float[Array, " source"] | None:
-        """Geometric mean of PyBDSF's own deconvolved axes, DC_Maj and DC_Min."""
-        if not {"DC_Maj", "DC_Min"} <= set(table.colnames):
-            return None
-        long, short = (_in_arcsec(table[name], units.deg) for name in ("DC_Maj", "DC_Min"))
-        return _mean_width(long, short)
-
-
-class Aegean(SourceFinder):
-    """Component catalogues of Aegean."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            frozenset({"island", "source", "int_flux", "ra", "dec", "psf_a", "psf_b"}),
-            {
-                "uuid": ("id", None),
-                "ra": ("ra", units.deg),
-                "dec": ("dec", units.deg),
-                "err_ra": ("ra_err", units.deg),
-                "err_dec": ("dec_err", units.deg),
-                "int_flux": ("flux", units.Jy),
-                "err_int_flux": ("flux_err", units.Jy),
-            },
-        )
-
-    def deconvolved(self, table: Table) -> Float[Array, " source"]:
-        """Geometric mean of the axes of the fitted a, b, pa less the beam's psf_a, psf_b, psf_pa."""
-        fitted, beam = (
-            _covariance(*(table[f"{prefix}{name}"] for name in ("a", "b", "pa")))
-            for prefix in ("", "psf_")
-        )
-        short, long = np.sqrt(np.maximum(np.linalg.eigvalsh(fitted - beam), 0.0)).T
-        return _mean_width(long, short)
-
-
-SOURCE_FINDERS: tuple[SourceFinder, ...] = (PyBDSF(), Aegean())
-
-
-def in_our_columns(table: Table) -> Table:
-    """Return a source finder's table in the columns of this package, and any other table as it is."""
-    for finder in SOURCE_FINDERS:
-        if finder.writes(table):
-            return finder.translated(table)
-    return table
-
-
-def _mean_width(
-    long: Float[Array, " source"], short: Float[Array, " source"]
-) -> Float[Array, " source"]:
-    """Geometric mean of the axes, the short one taken as half of the long one or more: it may not be resolved."""
-    return np.sqrt(long * np.maximum(short, 0.5 * long))
-
-
-def _in_arcsec(column: Column, assumed: units.UnitBase) -> Float[Array, " source"]:
-    unit = column.unit or assumed
-    values = column.filled(np.nan) if isinstance(column, MaskedColumn) else column
-    return np.asarray(values, float) * float(units.Unit(unit).to(units.arcsec))
-
-
-def _covariance(a: Column, b: Column, angle: Column) -> Float[Array, "source 2 2"]:
-    """Squares of the axes [arcsec^2] in the axes North and East."""
-    first, second = (_in_arcsec(axis, units.arcsec) for axis in (a, b))
-    turn = np.radians(np.asarray(angle, float))
-    along = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-    across = np.stack([-np.sin(turn), np.cos(turn)], axis=-1)
-    long, short = (np.einsum("si,sj->sij", way, way) for way in (along, across))
-    return (first**2)[:, None, None] * long + (second**2)[:, None, None] * short
+    def metadata(self, table: Table) -> Mapping[str, Any]:
+        """Return facts on the catalogue that its metadata do not state as others do, by lower-case key."""
+        return {}

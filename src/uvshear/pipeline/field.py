@@ -54,7 +54,8 @@ def field_of_catalogue(
     known_size = (
         None if sources.scale_length is None else np.where(is_point, usual, sources.scale_length)
     )
-    size = model.size.prior(flux_at_1_4, known_size)
+    errors = () if sources.scale_length_err is None else (sources.scale_length_err,)
+    size = model.size.prior(flux_at_1_4, known_size, *errors)
     repeated = _repeated(l, m, sources.flux, np.exp(size.log_median), is_modelled)
     flags[repeated] = FitFlag.DUPLICATE
     is_modelled[repeated] = False
@@ -68,11 +69,13 @@ def field_of_catalogue(
         reference_frequency=sources.reference_frequency,
     )
     # Sources of which averaging and primary beams leave next to nothing cannot be modelled.
-    response = Response.from_sky(sky, summary.probes, model.attenuation(phase_centre.dec))
-    unseen = is_modelled & (response.attenuations(sky) < FAINTEST)
+    members = np.flatnonzero(is_modelled)
+    there = sky.select(members)
+    response = Response.from_sky(there, summary.probes, model.attenuation(phase_centre.dec))
+    unseen = members[response.attenuations(there) < FAINTEST]
     flags[unseen] = FitFlag.OUTSIDE_FIELD
-    is_modelled &= ~unseen
-    sky = replace(sky, flux=np.where(unseen, 0.0, sky.flux))
+    is_modelled[unseen] = False
+    sky = replace(sky, flux=np.where(is_modelled, sky.flux, 0.0))
     if method.uv_range.minimum >= summary.longest:
         raise InputError(
             f"--uv-min {method.uv_range.minimum:g} (uv_range=): the longest baseline of the observation is"

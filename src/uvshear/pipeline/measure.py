@@ -25,6 +25,7 @@ from uvshear.execution import Resources
 from uvshear.extraction import Extracted, MeasurementOptions, Method, Model
 from uvshear.extraction.weighted_shapes import weigh
 from uvshear.interferometer.summary import summarise
+from uvshear.io.identifiers import check_identifiers
 from uvshear.io.provenance import Provenance
 from uvshear.io.statistics import statistics_table
 from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
@@ -86,6 +87,7 @@ def measure(
         model or Model(), method or Method(), resources or Resources(), kept
     )
     sources = catalogue_of(catalogue)
+    check_identifiers(sources.identifier)
     prepared = Prepared.from_observation(observation_of(observation), sources, options)
     check_field(sources, prepared.observation.phase_centre, prepared.field.flags)
     checks, sky = prepared.checks, prepared.field.sky

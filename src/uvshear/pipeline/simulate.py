@@ -21,7 +21,7 @@ from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.observation import SimulatedObservation
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Bool, Complex, Float
 
 Lens: TypeAlias = Callable[[Galaxies, complex | Complex[Array, " source"]], Galaxies]
 """Effect of a reduced shear in the frame of (l, m) on galaxies."""
@@ -67,13 +67,16 @@ def simulate(
     Warns
     -----
     DataWarning
-        The catalogue has no sizes.
+        The catalogue lacks sizes of galaxies.
     """
     profile = profile or Exponential()
     sources = catalogue_of(catalogue)
-    lacks_sizes = sources.scale_length is None and not _all_points(sources)
-    if lacks_sizes:
-        sources = replace(sources, scale_length=_drawn_sizes(sources, seed))
+    has_sizes = sources.scale_length is not None
+    without_size = _galaxies_without_size(sources)
+    if without_size.any():
+        drawn = _drawn_sizes(sources, seed)
+        known = np.zeros(len(sources)) if sources.scale_length is None else sources.scale_length
+        sources = replace(sources, scale_length=np.where(without_size, drawn, known))
     galaxies = sources.galaxies(plan.track.phase_centre)
     north = local_north(plan.track.phase_centre, galaxies.l, galaxies.m)
     for sky_shear in (sources.shear, shear):
@@ -86,9 +89,15 @@ def simulate(
     if isinstance(noise, GalaxyNoise):
         noise = noise.scaled_to(coverage, plan.channels, profile, executor)
     # What is wrong is said before.
-    if lacks_sizes:
+    if without_size.any():
+        count = np.count_nonzero(without_size)
+        lacks = (
+            f"no scale_length for {count} of its {len(sources)} sources"
+            if has_sizes
+            else "no column scale_length"
+        )
         warnings.warn(
-            "the catalogue has no column scale_length: the sizes of its galaxies are drawn from the size-flux relation",
+            f"the catalogue has {lacks}: the sizes of its galaxies are drawn from the size-flux relation",
             DataWarning,
             stacklevel=2,
         )
@@ -105,8 +114,11 @@ def simulate(
     )
 
 
-def _all_points(sources: Catalogue) -> bool:
-    return sources.is_point is not None and bool(np.all(sources.is_point))
+def _galaxies_without_size(sources: Catalogue) -> Bool[Array, " source"]:
+    unknown = np.ones(len(sources), bool)
+    if sources.scale_length is not None:
+        unknown = np.isnan(sources.scale_length)
+    return unknown if sources.is_point is None else unknown & ~sources.is_point
 
 
 def _drawn_sizes(sources: Catalogue, seed: int | None) -> Float[Array, " source"]:

@@ -8,29 +8,32 @@ from uvshear.extraction import Extracted, Field, Model
 from uvshear.geometry.directions import PhaseCentre, equatorial
 from uvshear.io.catalogue import Catalogue
 from uvshear.io.shapes import shapes_table
-from uvshear.shapes.measurement import ShapeMeasurement
+from uvshear.shapes.measurement import FitFlag, ShapeMeasurement
 from uvshear.shapes.table_row import shape_values
 from uvshear.typing import Array, Float
+
+_WORD = f"U{max(len(flag.word) for flag in FitFlag)}"
 
 
 def tabulate_shapes(
     sources: Catalogue, field: Field, extracted: Extracted, phase_centre: PhaseCentre, model: Model
 ) -> Table:
     """Return the table of shapes, with one row for every source of the catalogue, in its order."""
-    results = [
-        extracted.measurements.get(source, ShapeMeasurement.failed(flag))
-        for source, flag in enumerate(field.flags)
-    ]
-    rows = [shape_values(result, model.population) for result in results]
-    names = tuple(rows[0]) if rows else ()
-    columns = {name: np.array([row[name] for row in rows]) for name in names}
+    # Of a large catalogue, only the few sources that were measured have numbers of their own.
+    nothing = shape_values(ShapeMeasurement.failed(FitFlag.OUTSIDE_FIELD), model.population)
+    columns = {name: np.full(len(sources), value) for name, value in nothing.items()}
+    flags = np.array([flag.word for flag in field.flags], dtype=_WORD)
+    for source, result in extracted.measurements.items():
+        flags[source] = result.flag.word
+        for name, value in shape_values(result, model.population).items():
+            columns[name][source] = value
     columns |= {
         "id": sources.identifier,
         "l": field.l,
         "m": field.m,
         "flux": sources.flux,
         "neighbour_distance": _neighbour_distances(field),
-        "flag": np.array([result.flag.word for result in results]),
+        "flag": flags,
     }
     if sources.ra is not None and sources.dec is not None:
         columns |= {"ra": sources.ra, "dec": sources.dec}
