@@ -8,6 +8,7 @@ import numpy as np
 from casacore import tables
 
 from uvshear.interferometer.stokes import Hands
+from uvshear.io.casacore_tables import written
 from uvshear.simulation.observation import SimulatedObservation
 
 TOPOCENTRIC = 5
@@ -52,7 +53,7 @@ def write_subtables(path: Path, observation: SimulatedObservation, hands: Hands)
 
 
 def _fill(path: Path, columns: Mapping[str, object]) -> None:
-    with tables.table(str(path), readonly=False, ack=False) as subtable:
+    with written(tables.table(str(path), readonly=False, ack=False)) as subtable:
         subtable.addrows(len(columns[next(iter(columns))]))  # type: ignore[arg-type]
         for name, values in columns.items():
             subtable.putcol(name, values)
