@@ -328,7 +328,9 @@ def _calibration(path: Path, **changed: object) -> Path:
     record = {"m1": -0.1, "m1_err": 0.01, "m2": 0.0, "m2_err": 0.0, "c1": 1e-3, "c1_err": 1e-3}
     record |= {"c2": 0.0, "c2_err": 0.0, "n": 10, "snr_min": 0.0}
     record |= {"estimator": "mean", "frame": "sky"} | changed
-    path.write_text(json.dumps(record))
+    path.write_text(
+        json.dumps({name: value for name, value in record.items() if value is not None})
+    )
     return path
 
 

@@ -81,3 +81,9 @@ def test_the_jackknifes_error_of_a_mean_is_that_of_the_mean():
     left = (values.sum(axis=0) - values) / 49
     expected = values.std(axis=0, ddof=1) / 50**0.5
     np.testing.assert_allclose(jackknife_error(left), expected, rtol=1e-12)
+
+
+def test_responses_that_cancel_have_no_ratio():
+    terms = Terms(np.ones((2, 2)), np.stack([np.eye(2), -np.eye(2)]))
+    assert np.isnan(ratio(terms)).all()
+    assert np.isnan(ratio_error(terms.select(np.array([0, 1, 0])))).all()

@@ -88,7 +88,8 @@ def test_a_file_needs_positions_alone(tmp_path):
         (f"# c\n\n{GOOD}\n5109284.9 east -3239100.2\n", r"line 4: 'east' is not a number"),
         (f"{GOOD}\n100 200 0\n", r"line 2: the position is .*not East, North, Up"),
         (f"{GOOD}\nnan nan nan\n", r"line 2: the position is nan"),
-        (f"{GOOD} -3\n{OTHER}\n", r"line 1: the diameter is -3; a positive"),
+        (f"{GOOD} -3\n{OTHER}\n", r"line 1: the diameter is -3; 0\.1 to 1000 m are"),
+        (f"{GOOD} 1e300\n{OTHER}\n", r"line 1: the diameter is 1e\+300; 0\.1 to 1000 m are"),
         (f"{GOOD}\n{OTHER}\n{GOOD}\n", r"line 3: has the same position as line 1"),
         (f"{GOOD}\n", r"1 antennas; two or more"),
         ("", r"0 antennas; two or more"),
@@ -99,6 +100,19 @@ def test_a_wrong_file_is_named_with_its_line(tmp_path, text, message):
         load_layout(_file(tmp_path, text))
     assert "array.txt" in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_mark_of_the_byte_order_is_no_part_of_a_number(tmp_path):
+    path = tmp_path / "array.txt"
+    path.write_text(f"{GOOD}\n{OTHER}\n", encoding="utf-8-sig")
+    assert len(load_layout(path)) == 2
+
+
+def test_more_antennas_than_anyone_has_are_refused(tmp_path):
+    path = tmp_path / "array.txt"
+    path.write_text("".join(f"6371000 {k} 0\n" for k in range(10_001)))
+    with pytest.raises(InputError, match=r"array\.txt: 10001 antennas; at most 10000"):
+        load_layout(path)
 
 
 def test_a_file_that_is_no_text_is_named(tmp_path):

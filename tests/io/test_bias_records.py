@@ -33,7 +33,7 @@ RECORD = {
     "snr_min": 10.0,
     "flux_min_ujy": 15.0,
     "prior": "paper",
-    "bins": [{"flux": "10-20 uJy", **NUMBERS, "m1": -0.2}, {"n": 3}],
+    "bins": [{"flux": "10-20 uJy", **NUMBERS, "m1": -0.2}],
 }
 
 
@@ -87,7 +87,31 @@ def test_the_facets_and_the_cut_are_read(tmp_path: Path) -> None:
     [
         ({"c1": "left out"}, "has no number 'c1'; `uvshear bias` writes one"),
         ({"c2_err": None}, "has no number 'c2_err'"),
-        ({"snr_min": "ten"}, "has no number 'snr_min'"),
+        ({"snr_min": "ten"}, "'snr_min' is \"ten\"; a number is needed"),
+        ({"snr_min": -1}, "'snr_min' is -1; a number of 0 or more is needed"),
+        ({"m1_err": 1e300}, "'m1_err' is 1e+300; a number between 0 and 1000 is needed"),
+        ({"m1_err": -0.1}, "'m1_err' is -0.1; a number between 0 and 1000 is needed"),
+        ({"m2": 1e10}, "'m2' is 1e+10; a number between -1000 and 1000 is needed"),
+        ({"c1": 10**400}, "'c1' is 1000"),
+        ({"c2": [0.1]}, "'c2' is [0.1]; a number is needed"),
+        ({"n": 2.5}, "'n' is 2.5; a whole number is needed"),
+        ({"seed": -1}, "'seed' is -1; a whole number is needed"),
+        ({"flux_max_ujy": "none"}, "'flux_max_ujy' is \"none\"; a number is needed"),
+        ({"facet": "round"}, "'facet' is \"round\"; exact or cell-average is needed"),
+        ({"selection": 3}, "'selection' is 3; measured or catalogue is needed"),
+        ({"legacy_shear": "no"}, "'legacy_shear' is \"no\"; true or false is needed"),
+        ({"estimator": ["moments"]}, "'estimator' is [\"moments\"]; a word is needed"),
+        ({"frame": None}, "'frame' is null; a word is needed"),
+        ({"frame": "left out", "version": "0.2.0"}, "has no word 'frame'"),
+        ({"shears": [0.02]}, "an entry of 'shears' is no pair of numbers"),
+        ({"shears": [[1, 1]]}, "an entry of 'shears' is no pair of numbers"),
+        ({"bins": {"flux": "10-20 uJy"}}, "a list is needed"),
+        ({"bins": [{"n": 3}]}, "an entry of 'bins' has no word 'flux'"),
+        ({"bins": [{"flux": "a", **NUMBERS, "c1": "x"}]}, "bin a: 'c1' is \"x\"; a number"),
+        ({"bins": 2 * [{"flux": "a", **NUMBERS}]}, "two bins of the same flux"),
+        ({"cuts": {"snr_min": 5.0}}, "'snr_min' is 10.0, but 5.0 in 'cuts'"),
+        ({"cuts": 3}, "'cuts' is no object"),
+        ({"population": {"flux": {"minimum_ujy": 1e-300}}}, "must lie between 1e-06 and 1e+12"),
         (
             {"population": {"colour": {}}},
             "unknown entry 'colour'; a population has the entries flux, size, ellipticity",
@@ -124,7 +148,7 @@ def _assert_same(got: Bias, expected: Bias) -> None:
 
 def test_what_is_written_is_read(tmp_path: Path) -> None:
     rng = np.random.default_rng(4)
-    inside = Bias("20-50 uJy", *rng.normal(size=(5, 2)), 30, failed=1)
+    inside = Bias("20-50 uJy", *rng.uniform(size=(5, 2)), 30, failed=1)
     population = UnlensedPopulation(size=SizeFluxRelation(sigma=0.4))
     simulation = BiasSimulation(
         ShearConditions(
@@ -138,7 +162,7 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
         density=2.8,
         seed=5,
     )
-    bias = Bias("all", *rng.normal(size=(5, 2)), 90, 2, (inside,), simulation=simulation)
+    bias = Bias("all", *rng.uniform(size=(5, 2)), 90, 2, (inside,), simulation=simulation)
     path = tmp_path / "bias.json"
     write_bias(path, bias)
     got = read_bias(path)

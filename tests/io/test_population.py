@@ -83,7 +83,7 @@ def test_a_path_may_be_text(tmp_path: Path) -> None:
             "the parameter 'index' of 'flux' is 400; it must lie between -10 and 10",
         ),
         ({"ellipticity": {"e0": 0}}, "the parameter 'e0' of 'ellipticity' is 0"),
-        ({"ellipticity": {"maximum": 1.5}}, "it must lie between 0 and 1"),
+        ({"ellipticity": {"maximum": 1.5}}, "it must lie between 0.01 and 1"),
         ({"flux": {"minimum_ujy": 500}}, "positive and below the maximum"),
     ],
 )

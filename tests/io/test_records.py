@@ -16,13 +16,31 @@ def test_a_record_that_was_written_is_read(tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("[1, 2]", "is not a record"), ("{", "cannot be read as JSON"), ("\xff", "cannot be read")],
+    [
+        ("[1, 2]", "is not a record"),
+        ("[" * 100_000, "nested too deeply"),
+        ('{"n": 1' + 5000 * "0" + "}", "cannot be read as JSON"),
+        (" " * 10_000_001, "is too large"),
+        ("{", "cannot be read as JSON"),
+        ("\xff", "cannot be read"),
+    ],
 )
 def test_a_file_without_names_and_values_is_refused(tmp_path, text, message):
     path = tmp_path / "record.json"
     path.write_bytes(text.encode("latin-1"))
     with pytest.raises(InputError, match=message):
         read_record(path, "a record")
+
+
+def test_a_mark_of_the_byte_order_is_no_part_of_a_record(tmp_path):
+    path = tmp_path / "record.json"
+    path.write_bytes(b"\xef\xbb\xbf{}")
+    assert read_record(path, "a record") == {}
+
+
+def test_a_directory_is_no_record(tmp_path):
+    with pytest.raises(InputError, match=r"cannot be read as JSON: .*Is a directory"):
+        read_record(tmp_path, "a record")
 
 
 def test_a_file_that_does_not_exist_is_refused(tmp_path):

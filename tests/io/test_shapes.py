@@ -165,9 +165,9 @@ def test_a_missing_value_is_named() -> None:
     ("column", "value", "message"),
     [
         ("weight", None, "has no column 'weight'"),
-        ("weight", -1.0, "column 'weight', row 1: is -1; a number >= 0"),
-        ("weight", np.nan, "column 'weight', row 1: is nan; a number >= 0"),
-        ("snr", ["high"] * 4, "column 'snr' holds text"),
+        ("weight", -1.0, "column 'weight', row 1: is -1; a number between 0"),
+        ("weight", np.nan, "column 'weight', row 1: is nan; a number between 0"),
+        ("snr", ["high"] * 4, "column 'snr': holds no numbers"),
     ],
 )
 def test_a_wrong_table_of_shapes_is_refused(

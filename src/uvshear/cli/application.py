@@ -1,23 +1,35 @@
 """The command-line application: its commands, its exit statuses and its error messages of one line."""
 
 import ctypes
+import errno
 import os
+import signal
 import sys
 import threading
-from collections.abc import Sequence
-from concurrent.futures import Future
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import BrokenExecutor
 from contextlib import suppress
+from dataclasses import dataclass
+from queue import Empty, SimpleQueue
 from typing import Annotated, Final
 
 import typer
 
 from uvshear import __version__
 from uvshear.cli import bias, catalogue, demo, info, layouts, measure, psf, shear, simulate
+from uvshear.cli.signals import EndRequest, ending_signals
+from uvshear.cli.standard_streams import (
+    StandardStream,
+    open_closed_descriptors,
+    standard_streams,
+)
 from uvshear.errors import InputError
 from uvshear.io.outputs import remove_unfinished
 
 WRONG_INPUT: Final = 2
-INTERRUPTED: Final = 130
+INTERRUPTED: Final = 128 + signal.SIGINT
+BROKEN_PIPE: Final = 128 + signal.SIGPIPE
 INTERRUPTION: Final = "uvshear: interrupted; unfinished outputs have been removed"
 
 GRACE: Final = 1.0
@@ -59,63 +71,125 @@ def _root(
     """Weak-lensing galaxy shapes and shear, measured from radio visibilities."""
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line and exit with status 0, with 2 for a wrong input, or with 130 if interrupted.
+@dataclass(frozen=True)
+class Outcome:
+    """How a command ended.
 
-    The command runs in a thread of its own, so that the main thread can answer Ctrl-C while compiled code runs.
+    Parameters
+    ----------
+    status
+        Exit status.
+    message
+        Message for standard error; empty where there is nothing to say.
+    bug
+        Error of the program itself, whose traceback is needed.
     """
-    outcome: Future[int] = Future()
-    worker = threading.Thread(target=_settle, args=(outcome, arguments), daemon=True)
-    worker.start()
-    try:
-        status = outcome.result()
-    except KeyboardInterrupt:
-        status = _stop(worker)
-    worker.join()
+
+    status: int
+    message: str = ""
+    bug: BaseException | None = None
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and exit with status 0, with 2 for a wrong input, or with 128 + N if signal N ended it.
+
+    The command runs in a thread of its own, so that the main thread can answer signals while compiled code runs.
+    """
+    open_closed_descriptors()
+    events: SimpleQueue[Outcome | EndRequest] = SimpleQueue()
+    with ending_signals(events.put), standard_streams() as output:
+        worker = threading.Thread(target=_settle, args=(events.put, arguments, output), daemon=True)
+        worker.start()
+        event = events.get()
+        outcome = event if isinstance(event, Outcome) else _stop(worker, event, events)
+        worker.join()
+        status = _told(outcome)
     sys.exit(status)
 
 
-def _settle(outcome: Future[int], arguments: Sequence[str] | None) -> None:
+def _settle(
+    told: Callable[[Outcome], None], arguments: Sequence[str] | None, output: StandardStream
+) -> None:
     try:
-        outcome.set_result(run(arguments))
-    except BaseException as error:
-        outcome.set_exception(error)
-
-
-def _stop(worker: threading.Thread) -> int:
-    """Interrupt the command; if compiled code does not return soon, end the process at once."""
-    interrupt = ctypes.py_object(KeyboardInterrupt)
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(worker.ident or 0), interrupt)
-    with suppress(KeyboardInterrupt):  # once more: the user is in a hurry
-        worker.join(GRACE)
-    if worker.is_alive():
-        remove_unfinished()
-        typer.echo(INTERRUPTION, err=True)
-        sys.stdout.flush()
-        os._exit(INTERRUPTED)
-    return INTERRUPTED
+        told(_outcome(arguments, output))
+    except KeyboardInterrupt:  # while another error was explained
+        told(Outcome(INTERRUPTED, INTERRUPTION))
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return the exit status."""
+    """Run the command line in this thread and return the exit status."""
+    with standard_streams() as output:
+        return _told(_outcome(arguments, output))
+
+
+def _told(outcome: Outcome) -> int:
+    """Show the message of an outcome and return its status."""
+    if outcome.bug is not None:
+        raise outcome.bug
+    if outcome.message:
+        typer.echo(outcome.message, err=True)
+    return outcome.status
+
+
+def _stop(
+    worker: threading.Thread, ending: EndRequest, events: "SimpleQueue[Outcome | EndRequest]"
+) -> Outcome:
+    """Interrupt the command; if compiled code does not return soon, end the process at once."""
+    interrupt = ctypes.py_object(KeyboardInterrupt)
+    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(worker.ident or 0), interrupt)
+    from uvshear.execution import end_processes  # noqa: PLC0415 - help must not wait for it
+
+    event: Outcome | EndRequest = ending
+    with suppress(Empty):
+        event = events.get(timeout=GRACE)  # another signal: the user is in a hurry
+    if isinstance(event, Outcome) and event.status == 0:
+        return event  # it was done already
+    remove_unfinished()
+    stopped = Outcome(ending.status, INTERRUPTION)
+    # Threads of a pool end when their tasks are done, for which the interpreter would wait.
+    if not isinstance(event, Outcome) or threading.active_count() > 1:
+        _told(stopped)
+        end_processes()
+        os._exit(stopped.status)
+    return stopped
+
+
+def _outcome(arguments: Sequence[str] | None, output: StandardStream) -> Outcome:
+    """Run the command line; whatever happens is an outcome."""
     try:
         status = app(args=arguments, prog_name="uvshear", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         status = INTERRUPTED
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        status = 1
-    except Exception as error:
-        if (message := _explain(error)) is None:
-            raise  # a bug: its traceback is what we need
-        typer.echo(message, err=True)
-        status = WRONG_INPUT
+    except BrokenExecutor as error:
+        # A signal to all processes of a job ends the workers first; the main thread is to hear of it.
+        time.sleep(GRACE)
+        return _failure(error)
+    except SystemExit as ended:  # from typer, after an error in a pipe
+        return _failure(ended.__context__ if ended.__context__ is not None else ended)
+    except BaseException as error:
+        return _failure(error)
     if status == INTERRUPTED:
-        typer.echo(INTERRUPTION, err=True)
-    return status if isinstance(status, int) else 0
+        return Outcome(INTERRUPTED, INTERRUPTION)
+    if output.lost is not None:
+        return _failure_of_output(output.lost)
+    return Outcome(status if isinstance(status, int) else 0)
 
 
-def _explain(error: Exception) -> str | None:
+def _failure(error: BaseException) -> Outcome:
+    message = _explain(error)
+    return Outcome(1, bug=error) if message is None else Outcome(WRONG_INPUT, message)
+
+
+def _failure_of_output(error: OSError) -> Outcome:
+    """Return the outcome of a command whose result could not be printed; a reader who leaves needs no message."""
+    if error.errno == errno.EPIPE:
+        return Outcome(BROKEN_PIPE)
+    return Outcome(
+        WRONG_INPUT, f"uvshear: error: standard output: cannot be written ({error.strerror})"
+    )
+
+
+def _explain(error: BaseException) -> str | None:
     """Return the message for a wrong input, or None for an error of the program itself."""
     if type(error).__name__ == "NoArgsIsHelpError":
         return str(error)
@@ -128,6 +202,11 @@ def _explain(error: Exception) -> str | None:
             f"not enough memory ({error}); lower --memory-gb or --threads, or average the data or select fewer scans"
             " first"
         )
+    elif isinstance(error, BrokenExecutor):
+        message = (
+            "a worker process ended before its work was done; it may have been killed for lack of memory, of which"
+            " fewer --threads need less"
+        )
     elif isinstance(error, OSError):
         message = str(error) if error.filename is None else f"{error.filename}: {error.strerror}"
     else:
@@ -135,7 +214,7 @@ def _explain(error: Exception) -> str | None:
     return f"uvshear: error: {' '.join(message.split())}"
 
 
-def _with_the_command(error: Exception) -> str:
+def _with_the_command(error: BaseException) -> str:
     """Return the message of an error in the options, with the command that shows their help."""
     context = getattr(error, "ctx", None)
     command = "uvshear" if context is None else context.command_path

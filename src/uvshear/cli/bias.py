@@ -24,7 +24,7 @@ from uvshear.cli.options import (
 )
 from uvshear.cli.panels import ARRAY, METHOD, NOISE, OUTPUT, SKY, GroupedCommand
 from uvshear.cli.registered import PROFILES, profile_named_by_option
-from uvshear.cli.terminal import progress_bar, say
+from uvshear.cli.terminal import progress_bar, remarks, say
 from uvshear.errors import InputError
 
 EPILOG = (
@@ -310,8 +310,9 @@ def bias(
             resources=Resources(in_processes(threads)),
             progress=progress,
         )
-    say("\n".join(map(str, (found, *found.bins))))
     write_bias(output, found, provenance(context), overwrite=overwrite)
+    with remarks():
+        say("\n".join(map(str, (found, *found.bins))))
 
 
 def _refuse(estimator: str, shear: float, *, is_measured: bool, is_averaged: bool) -> None:

@@ -3,12 +3,15 @@
 
 import textwrap
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from uvshear.cli.options import Overwrite
 from uvshear.cli.terminal import say, show_table
+
+if TYPE_CHECKING:
+    from uvshear.typing import Array, Float
 
 EPILOG = "Example: uvshear layouts ska-mid-aa4 -o ska.png"
 
@@ -32,24 +35,18 @@ def layouts(
 ) -> None:
     """List the known arrays, or show one and draw its map."""
     import numpy as np
-    from scipy.spatial import ConvexHull
-    from scipy.spatial.distance import pdist
 
     from uvshear.interferometer.layout import ArrayLayout, known_layouts, load_layout
     from uvshear.io.outputs import check_file
 
     def describe(layout: ArrayLayout) -> tuple[str, ...]:
-        # the longest baseline joins two corners of the convex hull; few antennas are compared whole
-        positions = layout.positions
-        if len(positions) > 1000:
-            positions = positions[ConvexHull(positions).vertices]
-        baselines = pdist(positions)
+        shortest, longest = baseline_range(layout.positions)
         diameters = np.unique(layout.diameters[np.isfinite(layout.diameters)])
         return (
             layout.name,
             str(len(layout)),
-            f"{pdist(positions).min():.1f} m",
-            f"{baselines.max() / 1e3:.3g} km",
+            f"{shortest:.1f} m",
+            f"{longest / 1e3:.3g} km",
             ", ".join(f"{diameter:g}" for diameter in diameters) + " m" if len(diameters) else "?",
         )
 
@@ -70,3 +67,14 @@ def layouts(
 
     save(draw_layout(layout.positions, layout.name), picture, overwrite=overwrite)
     say(f"map: {picture}")
+
+
+def baseline_range(positions: "Float[Array, 'antenna 3']") -> tuple[float, float]:
+    """Return the lengths of the shortest and of the longest baseline [m], with one row of baselines in memory."""
+    import numpy as np
+
+    shortest, longest = np.inf, 0.0
+    for k in range(len(positions) - 1):
+        lengths = np.linalg.norm(positions[k + 1 :] - positions[k], axis=1)
+        shortest, longest = min(shortest, lengths.min()), max(longest, lengths.max())
+    return float(shortest), float(longest)

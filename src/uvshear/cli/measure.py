@@ -33,7 +33,7 @@ from uvshear.cli.reading import (
 )
 from uvshear.cli.registered import PROFILES, named_by, profile_named_by_option
 from uvshear.cli.residual_images import check_residual_image, draw_residual
-from uvshear.cli.terminal import notes_of_warnings, progress_bar, say, shorten
+from uvshear.cli.terminal import notes_of_warnings, progress_bar, remarks, say, shorten
 from uvshear.cli.weightings import (
     GaussianTaperOption,
     InnerTukeyTaperOption,
@@ -327,11 +327,14 @@ def measure(
         )
     made = provenance(context, *measurement_sets, catalogue)
     measurement.with_provenance(made).write(output, overwrite=overwrite)
-    say(f"{output}: {tally(measurement.shapes)}")
+    with remarks():
+        say(f"{output}: {tally(measurement.shapes)}")
     if cause := why_none_was_measured(measurement.shapes):
         raise InputError(f"{output}: no galaxy was measured: {cause}")
-    tell_convergence(measurement.record)
-    tell_missing_statistics(measurement)
+    with remarks():
+        tell_convergence(measurement.record)
+    with remarks():
+        tell_missing_statistics(measurement)
     if residual_image is not None:
         from uvshear.io.images import write_residual_image
 

@@ -9,7 +9,7 @@ import typer
 from uvshear.cli.estimators import NAMES, PAPER, PRIOR_METAVAR, estimator_named
 from uvshear.cli.options import Overwrite, Threads, non_negative, provenance
 from uvshear.cli.panels import DATA, METHOD, OUTPUT, GroupedCommand
-from uvshear.cli.terminal import notes_of_warnings, progress_bar, say, warn
+from uvshear.cli.terminal import notes_of_warnings, progress_bar, remarks, say, show, warn
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -126,17 +126,18 @@ def shear(
             executor=in_processes(threads),
             progress=progress,
         )
-    population = found.assumed.get("population")
-    if isinstance(population, dict) and (text := describe_population(population)):
-        say(text)
-    say(str(found))
-    for name, part in found.bins.items():
-        say(f"{name}: {part}")
-    if method.remark and calibration is None:
-        warn(method.remark)
     if output is not None:
         made = provenance(context, shapes, *(() if calibration is None else (calibration,)))
         write_shear(output, found, made, overwrite=overwrite)
+    with remarks():
+        population = found.assumed.get("population")
+        if isinstance(population, dict) and (text := describe_population(population)):
+            say(text)
+    tell = show if output is None else say
+    tell("\n".join([str(found), *(f"{name}: {part}" for name, part in found.bins.items())]))
+    with remarks():
+        if method.remark and calibration is None:
+            warn(method.remark)
 
 
 def describe_population(record: "Mapping[str, Mapping[str, float]]") -> str:

@@ -1,6 +1,7 @@
 """Output for the user: lines, tables, notes and, on a terminal only, a progress bar."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
+import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -8,6 +9,7 @@ from typing import Any
 
 import typer
 
+from uvshear.cli.standard_streams import StandardStream
 from uvshear.progress import Progress
 
 
@@ -18,12 +20,12 @@ def progress_bar(description: str) -> Iterator[Progress]:
     from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
+    # rich takes other outputs for terminals as well where the environment has FORCE_COLOR.
+    if not sys.stderr.isatty():
         yield lambda done, total: None
         return
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Bar(*columns, console=console, transient=True) as bar:
+    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(description, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
 
@@ -34,7 +36,7 @@ def show_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]
     from rich.console import Console
     from rich.table import Table
 
-    width = None if Console().is_terminal else 200
+    width = None if sys.stdout.isatty() else 200
     console = Console(width=width, highlight=False, markup=False)
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
     for index, column in enumerate(columns):
@@ -47,7 +49,7 @@ def show_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]
 def show_facts(title: str, facts: Sequence[tuple[str, str]]) -> None:
     """Show pairs of a name and a value on stdout, one pair a line."""
     width = max(len(name) for name, _ in facts)
-    say("\n".join([title, *(f"  {name:<{width}}  {fact}" for name, fact in facts)]))
+    show("\n".join([title, *(f"  {name:<{width}}  {fact}" for name, fact in facts)]))
 
 
 @contextmanager
@@ -69,14 +71,32 @@ def notes_of_warnings() -> Iterator[None]:
         yield
 
 
+@contextmanager
+def remarks() -> Iterator[None]:
+    """Let nothing that goes wrong within the block, which only says something about a result, end the run."""
+    try:
+        yield
+    except Exception as error:
+        warn(f"a remark cannot be shown ({type(error).__name__}: {' '.join(str(error).split())})")
+
+
 def warn(text: str) -> None:
     """Show a note on stderr about a run that goes on."""
     typer.echo(f"uvshear: note: {text}", err=True)
 
 
-def say(text: str) -> None:
-    """Show a line on stdout."""
+def show(text: str) -> None:
+    """Show a result on stdout, without which the command has failed."""
     typer.echo(text)
+
+
+def say(text: str) -> None:
+    """Show a line on stdout about results that are in files."""
+    output = sys.stdout
+    if isinstance(output, StandardStream):
+        output.remark(f"{text}\n")
+    else:
+        typer.echo(text)
 
 
 def shorten(name: str, longest: int = 32) -> str:

@@ -1,6 +1,6 @@
 """Shear from the likelihood of each galaxy's shape, for a population of galaxies behind a lens."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, Final, Self
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from uvshear.estimators.estimator import Estimator
 from uvshear.estimators.evidence import gradient_and_curvature
-from uvshear.estimators.packing import PACKED, pack, unpack
+from uvshear.estimators.packing import PACKED, Packed, is_whole, pack, unpack
 from uvshear.estimators.population import UnlensedPopulation
 from uvshear.estimators.population_fit import (
     FittedPopulation,
@@ -25,7 +25,7 @@ from uvshear.shapes.interpolative import DecompositionCache
 from uvshear.shapes.likelihood import sample_likelihood
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.shapes.statistic_flag import StatisticFlag
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Bool, Complex, Float
 
 LIKELIHOOD: Final = "likelihood"
 """Column of a simulated sample that holds likelihoods without packing."""
@@ -108,6 +108,12 @@ class Bayesian(Estimator):
             found.flux_variance,
         )
 
+    def damaged(self, sample: Sample) -> Bool[Array, " source"]:
+        """Tell which sources have a packed likelihood that none was packed into."""
+        if LIKELIHOOD in sample.columns:
+            return super().damaged(sample)
+        return np.array([not (_is_empty(row) or is_whole(row)) for row in _packed(sample)], bool)
+
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
         """Return the gradient and the curvature of the log probability of each galaxy's data.
 
@@ -171,10 +177,18 @@ def likelihoods_of(sample: Sample) -> list[ShapeLikelihood | None]:
     """Return the likelihoods of a sample, unpacked if need be; None where a source has none."""
     if LIKELIHOOD in sample.columns:
         return list(sample[LIKELIHOOD])
+    return [None if _is_empty(row) else unpack(row) for row in _packed(sample)]
+
+
+def _packed(sample: Sample) -> Iterator[Packed]:
     rows = zip(*(sample[name] for name in PACKED), strict=True)
-    packed = (dict(zip(PACKED, map(np.asarray, row), strict=True)) for row in rows)
-    # A source without a likelihood has an empty array, or NaN in a table in which no source has one.
-    return [
-        unpack(parts) if parts["lattice"].ndim and len(parts["lattice"]) else None
-        for parts in packed
-    ]
+    return (dict(zip(PACKED, map(np.asarray, row), strict=True)) for row in rows)
+
+
+def _is_empty(row: Packed) -> bool:
+    """Tell a source without a likelihood, which has empty arrays, or NaN in a table in which no source has one."""
+    return all(_has_no_number(part) for part in row.values())
+
+
+def _has_no_number(part: Array) -> bool:
+    return part.size == 0 or (part.ndim == 0 and part.dtype.kind == "f" and bool(np.isnan(part)))

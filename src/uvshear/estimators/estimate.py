@@ -1,5 +1,6 @@
 """The shear of a sample by an estimator, in total and by flux."""
 
+import cmath
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -84,6 +85,11 @@ def _known(estimate: ShearEstimate | None, sample: Sample) -> ShearEstimate:
             f"of {len(sample)} selected galaxies, fewer than {LEAST} contribute to the shear; {LEAST} or more are"
             " needed that were measured, pass the cuts and have statistics for the estimator"
         )
+    if not cmath.isfinite(estimate.shear):
+        raise InputError(
+            f"the responses of {estimate.n} galaxies to a shear add up to none, so that they do not determine a shear;"
+            " more galaxies or another estimator are needed"
+        )
     return estimate
 
 
@@ -128,7 +134,10 @@ def _estimates(
 def _shear(terms: Terms, about: complex) -> complex:
     """Return the shear from terms that are expanded about another one, or that one if too few sources contribute."""
     contributing = terms.select(terms.tells)
-    return about if len(contributing) < LEAST else about + complex(*ratio(contributing))
+    if len(contributing) < LEAST:
+        return about
+    shear = about + complex(*ratio(contributing))
+    return shear if cmath.isfinite(shear) else about
 
 
 def _estimate(

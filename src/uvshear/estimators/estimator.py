@@ -4,13 +4,15 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar, Self
 
+import numpy as np
+
 from uvshear.estimators.sample import Row, Sample
 from uvshear.estimators.terms import Terms
 from uvshear.progress import Meter
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.shapes.statistic_flag import StatisticFlag
 from uvshear.shapes.table_row import shape_values
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Bool, Complex, Float
 
 
 class Estimator(ABC):
@@ -72,6 +74,10 @@ class Estimator(ABC):
         -------
             Terms in the frame of (l, m); NaN where a source has none.
         """
+
+    def damaged(self, sample: Sample) -> Bool[Array, " source"]:
+        """Tell which sources have kept numbers that :meth:`statistic` cannot have returned; none unless overridden."""
+        return np.zeros(len(sample), bool)
 
     def scores(
         self, sample: Sample, about: Complex[Array, " source"]

@@ -16,7 +16,6 @@ References
 Rao 1948, Proc. Cambridge Phil. Soc. 44, 50; White 1982, Econometrica 50, 1.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Self
@@ -117,8 +116,9 @@ class PopulationGoodness:
         scores
             Gradients by the parameters of the population, in the order of ``PARTS``; none if it was fitted.
         """
-        present = terms.tells
-        count = int(np.isfinite(terms.value).all(axis=1).sum())
+        is_scored = np.isfinite(scores).all(axis=1)
+        present = terms.tells & is_scored
+        count = int((np.isfinite(terms.value).all(axis=1) & is_scored).sum())
         q, h = terms.value[present], terms.response[present]
         squares, curvatures = np.sum(q**2, axis=1), np.trace(h, axis1=1, axis2=2)
         total = float(curvatures.sum())
@@ -143,7 +143,7 @@ class PopulationGoodness:
         if size is not None and not size.fits:
             median = size.shift["median"]
             found.append(
-                f"their sizes are about {math.exp(median):.2g} times those of the population"
+                f"their sizes are about {np.exp(np.clip(median, -99, 99)):.2g} times those of the population"
                 if abs(median) >= DIFFERENT
                 else "the scatter of their sizes differs from that of the population"
             )

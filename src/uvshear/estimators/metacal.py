@@ -7,6 +7,7 @@ from typing import ClassVar, Self, TypeAlias
 import numpy as np
 
 from uvshear.estimators.estimator import Estimator, observe
+from uvshear.estimators.kept_numbers import incomplete
 from uvshear.estimators.mean import Mean
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.terms import Terms
@@ -25,7 +26,7 @@ from uvshear.shapes.metacal import (
 )
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.shapes.statistic_flag import StatisticFlag
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Bool, Complex, Float
 
 _LONGEST = REACH * WIDEST * (1 + STEP)
 """Longest baseline that a round beam may need [wavelengths]."""
@@ -102,6 +103,10 @@ class Metacal(Estimator):
         value, response = found
         numbers = [*value.tolist(), *response.ravel().tolist()]
         return dict(zip(self.columns, numbers, strict=True))
+
+    def damaged(self, sample: Sample) -> Bool[Array, " source"]:
+        """Tell which sources have some numbers but not all."""
+        return incomplete(sample, self.columns)
 
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
         """Return the kept numbers and responses as they are."""

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from uvshear.estimators.estimator import Estimator
+from uvshear.estimators.kept_numbers import incomplete
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.terms import Terms
 from uvshear.execution.once import KeptOnce
@@ -13,7 +14,7 @@ from uvshear.shapes.deconvolution import holds
 from uvshear.shapes.moments import REACH, SCALE, MomentFunctional
 from uvshear.shapes.source_facet import Column, Kept, SourceFacet
 from uvshear.shapes.statistic_flag import StatisticFlag
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Bool, Complex, Float
 
 ELLIPTICITY_SCATTER = 0.3
 """Standard deviation of M/R over galaxies without noise."""
@@ -98,6 +99,10 @@ class Moments(Estimator):
             "m2_var": float(covariance[1, 1]),
             "m12_cov": float(covariance[0, 1]),
         }
+
+    def damaged(self, sample: Sample) -> Bool[Array, " source"]:
+        """Tell which sources have some numbers but not all, or a negative variance."""
+        return incomplete(sample, self.columns, ("m1_var", "m2_var"))
 
     def terms(self, sample: Sample, about: Complex[Array, " source"]) -> Terms:
         r"""Return moments and responses, weighted by :func:`moment_weight`, to the third order in the shear.

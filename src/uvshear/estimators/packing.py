@@ -21,6 +21,18 @@ _DEEPEST = 32.0
 _DEGREE = 4
 """Degree of the polynomials of the flux and of its variance."""
 
+_LATTICE = 12
+"""Number of coordinates of the origin and of the axes of a lattice."""
+
+_WIDEST = 1.5
+"""Modulus of an ellipticity below which the nodes of a lattice are; those of galaxies are below 1."""
+
+_BRIGHTEST = 1e6
+"""Modulus below which fluxes are [Jy]."""
+
+_LARGEST = 100.0
+"""Modulus below which ln(alpha/rad) and ln(variance of the flux / Jy^2) are."""
+
 Packed: TypeAlias = Mapping[str, Array]
 """One-dimensional arrays by the names of ``PACKED``."""
 
@@ -51,6 +63,41 @@ def pack(likelihood: ShapeLikelihood) -> Packed:
         "flux_terms": flux_terms,
         "variance_terms": variance_terms,
     }
+
+
+def is_whole(packed: Packed) -> bool:
+    """Tell whether arrays can be those of a packed likelihood: their lengths and the ranges of their numbers agree."""
+    if any(part.ndim != 1 or part.dtype.kind not in "fiu" for part in packed.values()):
+        return False
+    lattice, columns, log_likelihood, flux, variance = (
+        packed[name].astype(float) for name in PACKED
+    )
+    if len(lattice) != _LATTICE or len(columns) % 4 or not len(columns):
+        return False
+    first, count = np.split(columns.reshape(-1, 4), [3], axis=1)
+    below = log_likelihood * _UNIT
+    return bool(
+        _is_possible(lattice, first, first + [0, 0, 1] * (count - 1))
+        and np.all(count >= 1)
+        and count.sum() == len(below)
+        # The largest likelihood is at a node.
+        and below.min() == 0
+        and below.max() <= _DEEPEST
+        and len(flux) == len(variance) == len(_FIRST)
+        and np.abs(flux).max() < _BRIGHTEST
+        and np.abs(variance).max() < _LARGEST
+    )
+
+
+def _is_possible(lattice: Array, *ends: Array) -> bool:
+    """Tell whether the nodes at both ends of all columns are ellipticities, and sizes of galaxies."""
+    axes = lattice[3:].reshape(3, 3)
+    if not (np.isfinite(lattice).all() and np.linalg.det(axes) != 0):
+        return False
+    e1, e2, size = np.moveaxis(lattice[:3] + np.stack(ends) @ axes.T, -1, 0)
+    # The last axis is along the size.
+    is_upright = not np.any(axes[:2, 2])
+    return is_upright and bool(np.hypot(e1, e2).max() < _WIDEST and np.abs(size).max() < _LARGEST)
 
 
 def unpack(packed: Packed) -> ShapeLikelihood:

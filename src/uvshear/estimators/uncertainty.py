@@ -7,8 +7,8 @@ from uvshear.typing import Array, Float, Int
 
 
 def ratio(terms: Terms) -> Float[Array, " 2"]:
-    """Return the ratio of the sums, without the shear of the expansion."""
-    return np.linalg.solve(terms.response.sum(axis=0), terms.value.sum(axis=0))
+    """Return the ratio of the sums, without the shear of the expansion; NaN if the responses add up to none."""
+    return _solved(terms.response.sum(axis=0), terms.value.sum(axis=0)[:, None])[:, 0]
 
 
 def ratio_error(terms: Terms, patch: Int[Array, " source"] | None = None) -> Float[Array, " 2"]:
@@ -26,11 +26,21 @@ def ratio_error(terms: Terms, patch: Int[Array, " source"] | None = None) -> Flo
     if patch is not None:
         patches, number = np.unique(patch, return_inverse=True)
         value, response = (_sums(rows, number, len(patches)) for rows in (value, response))
-    left = np.linalg.solve(
+    left = _solved(
         (response.sum(axis=0) - response).reshape(-1, 2, 2),
         (value.sum(axis=0) - value)[..., None],
     )[..., 0]
     return jackknife_error(left)
+
+
+def _solved(
+    response: Float[Array, "*part 2 2"], value: Float[Array, "*part 2 1"]
+) -> Float[Array, "*part 2 1"]:
+    """Return the ratios; NaN if one of the responses is singular."""
+    try:
+        return np.linalg.solve(response, value)
+    except np.linalg.LinAlgError:
+        return np.full(value.shape, np.nan)
 
 
 def _sums(

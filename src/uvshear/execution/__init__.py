@@ -8,7 +8,7 @@ as an argument, which is ``SERIAL`` unless given.
 from uvshear.execution.cores import available_cores, in_processes, in_threads
 from uvshear.execution.executor import Executor
 from uvshear.execution.libraries import single_threaded_libraries
-from uvshear.execution.processes import Processes
+from uvshear.execution.processes import Processes, end_processes
 from uvshear.execution.resources import Resources
 from uvshear.execution.serial import Serial
 from uvshear.execution.threads import Threads
@@ -24,6 +24,7 @@ __all__ = [
     "Serial",
     "Threads",
     "available_cores",
+    "end_processes",
     "in_processes",
     "in_threads",
     "single_threaded_libraries",

@@ -1,17 +1,26 @@
 """Tasks in parallel processes, for work that holds Python's global interpreter lock."""
 
+import os
+import pickle
+import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from multiprocessing import get_context
-from typing import Any
+from multiprocessing import active_children, get_context, parent_process, util
+from multiprocessing.reduction import ForkingPickler
+from typing import TYPE_CHECKING, Any
 
 from uvshear.errors import InputError
 from uvshear.execution.executor import Executor, Result, Shared, Task
 from uvshear.execution.libraries import limit_libraries
 from uvshear.execution.ordered import ordered_results
 from uvshear.execution.threads import Threads
+
+if TYPE_CHECKING:
+    from multiprocessing.queues import Queue
 
 
 @dataclass(frozen=True)
@@ -44,21 +53,69 @@ class Processes(Executor):
         tasks: Iterable[Task],
     ) -> Iterator[Result]:
         """Yield the results; each process gets ``shared`` when it starts."""
-        with ProcessPoolExecutor(
-            self.count,
-            mp_context=get_context("spawn"),
-            initializer=_begin,
-            initargs=(function, shared),
-        ) as pool:
-            yield from ordered_results(pool, self.count, _work, tasks)
+        context = get_context("spawn")
+        # A process that is sent much when it starts keeps this one waiting until it has imported the package.
+        try:
+            with _without_signals():
+                job = context.Queue()
+        except OSError:  # no room for semaphores in /dev/shm
+            yield from Threads(self.count).distribute(function, shared, tasks)
+            return
+        content = bytes(ForkingPickler.dumps((function, shared)))
+        for _ in range(self.count):
+            job.put(content)
+        try:
+            with _Pool(self.count, context, _begin, (job,)) as pool:
+                yield from ordered_results(pool, self.count, _work, tasks)
+        finally:
+            # Processes that were not needed have not taken theirs.
+            job.cancel_join_thread()
+            job.close()
+
+
+def end_processes() -> None:
+    """End the processes that work for this one, whatever they do, before this one ends without cleaning up."""
+    for process in active_children():
+        process.kill()
+    # Otherwise the process that Python starts to look after semaphores would complain about them.
+    util._run_finalizers(0)  # type: ignore[attr-defined]
+
+
+@contextmanager
+def _without_signals() -> Iterator[None]:
+    """Let processes that are started within the block leave it to this one to answer a terminal's signals."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class _Pool(ProcessPoolExecutor):
+    """A pool that starts processes as they are needed."""
+
+    def submit(self, *task: Any, **named: Any) -> Future[Any]:
+        """Begin a task."""
+        with _without_signals():
+            return super().submit(*task, **named)
 
 
 _job: list[Callable[[Any], Any]] = []
 
 
-def _begin(function: Callable[[Any, Any], Any], shared: object) -> None:
+def _begin(job: "Queue[bytes]") -> None:
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     limit_libraries()
+    function, shared = pickle.loads(job.get())
     _job[:] = [partial(function, shared)]
+
+
+def _end_with_parent() -> None:
+    """End this process when the one that started it has ended, however that was: nobody needs its results then."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _work(task: Any) -> Any:

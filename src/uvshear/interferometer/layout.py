@@ -35,6 +35,12 @@ MEERKAT_DISHES: Final = 64
 EARTH_RADIUS_RANGE: Final = (6.33e6, 6.40e6)
 """Distances from the Earth's centre at which an antenna can stand [m]."""
 
+DIAMETER_RANGE: Final = (0.1, 1000.0)
+"""Diameters that an antenna can have [m]."""
+
+MOST_ANTENNAS: Final = 10_000
+"""Largest number of antennas that is read: their 5e7 baselines take 4 GB in a single integration."""
+
 
 @dataclass(frozen=True)
 class ArrayLayout:
@@ -122,7 +128,8 @@ def load_layout(name_or_path: str | Path) -> ArrayLayout:
             " nor a file of antenna positions"
         )
     try:
-        text = path.read_text(encoding="utf-8")
+        # Editors may write a mark of the byte order.
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"layout {path}: cannot be read as text ({error});"
@@ -169,6 +176,10 @@ def _parse(text: str, path: Path) -> tuple[list[str], list[tuple[int, list[str]]
             f"layout {path}: {len(rows)} antennas;"
             " two or more lines of X Y Z [diameter [name]] are needed"
         )
+    if len(rows) > MOST_ANTENNAS:
+        raise InputError(
+            f"layout {path}: {len(rows)} antennas; at most {MOST_ANTENNAS} are expected"
+        )
     return comments, rows
 
 
@@ -191,9 +202,10 @@ def _numbers(columns: list[str], where: str) -> list[float]:
             f"{where}: the position is {radius:g} m from the Earth's centre; geocentric ITRF X Y Z"
             " in metres, about 6.37e6 from it, are expected (not East, North, Up)"
         )
-    if len(numbers) == 4 and not 0 < numbers[3] < math.inf:
+    low, high = DIAMETER_RANGE
+    if len(numbers) == 4 and not low <= numbers[3] <= high:
         raise InputError(
-            f"{where}: the diameter is {numbers[3]:g}; a positive number of metres is expected"
+            f"{where}: the diameter is {numbers[3]:g}; {low:g} to {high:g} m are expected"
         )
     return numbers
 

@@ -10,7 +10,6 @@ Parameters that are left out have the values of Rivi & Miller 2018. ``PowerLawFl
 ``DiscEllipticityPrior`` define them.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -26,6 +25,9 @@ _RANGES = {
     "sigma": (1e-2, 10.0),
     "c": (1e-4, 1e3),
     "e0": (1e-4, 1e3),
+    "maximum": (1e-2, 1.0),
+    "minimum_ujy": (1e-6, 1e12),
+    "maximum_ujy": (1e-6, 1e12),
 }
 """Smallest and largest values of parameters: values beyond these are unphysical, and integrals would fail."""
 
@@ -70,7 +72,7 @@ def _values(path: Path, part: str, values: object) -> Mapping[str, float]:
             continue
         if (value := finite(values, name)) is None:
             raise InputError(f"{path}: the parameter '{name}' of '{part}' is not a finite number")
-        low, high = _RANGES.get(name, (-math.inf, math.inf))
+        low, high = _RANGES[name]
         if not low <= value <= high:
             raise InputError(
                 f"{path}: the parameter '{name}' of '{part}' is {value:g}; it must lie between {low:g} and {high:g}"

@@ -15,6 +15,7 @@ from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre, equatorial, local_north
 from uvshear.geometry.ellipticity import lensing_components, position_angle, to_local_north
 from uvshear.io.provenance import Provenance, ascii_text
+from uvshear.io.shape_checks import check_shapes, numbers
 from uvshear.io.tables import read_table, write_table
 from uvshear.typing import Array, Float, Shaped
 
@@ -143,29 +144,17 @@ def read_shapes(path: Path) -> Table:
     table = read_table(path, "table of shapes written by `uvshear measure`")
     if len(table) == 0:
         raise InputError(f"{path}: has no rows; a table of at least one shape is needed")
-    for name in ("e1", "e2", "e_sigma", "weight", "snr", "flag"):
-        if name not in table.colnames:
-            raise InputError(
-                f"{path}: has no column '{name}'; a table written by `uvshear measure` is needed"
-            )
-        if name != "flag" and table[name].dtype.kind not in "fiu":
-            raise InputError(f"{path}: column '{name}' holds text; numbers are needed")
-    weight: Array = np.ma.filled(np.ma.asarray(table["weight"], dtype=float), np.nan)
-    if not np.all(weight >= 0):
-        row = int(np.argmin(weight >= 0)) + 1
-        raise InputError(
-            f"{path}: column 'weight', row {row}: is {weight[row - 1]:g}; a number >= 0 is needed"
-        )
     for name in table.colnames:
         expected = COLUMNS.get(name)
         if expected is not None and expected.unit is not None and table[name].unit is not None:
             try:
                 table[name].convert_unit_to(expected.unit)
-            except (units.UnitConversionError, TypeError) as error:
+            except (units.UnitsError, TypeError, ValueError) as error:
                 raise InputError(
                     f"{path}: column '{name}' is in '{table[name].unit}', which cannot be converted to"
                     f" '{expected.unit}'"
                 ) from error
+    check_shapes(table, str(path))
     phase_centre_of(table, f"{path}:")
     return table
 
@@ -176,8 +165,7 @@ def inside(table: Table, name: str) -> Float[Array, " source"]:
         raise InputError(
             f"the table of shapes has no column '{name}'; one written by `uvshear measure` has it"
         )
-    filled: Array = np.ma.filled(np.ma.asarray(table[name], dtype=float), np.nan)
-    return filled * COLUMNS[name].inside
+    return numbers(table[name], f"the table of shapes: column '{name}'") * COLUMNS[name].inside
 
 
 def metadata(table: Table) -> dict[str, object]:
@@ -189,7 +177,7 @@ def extraction_record(table: Table) -> Mapping[str, object]:
     """Return the record of the extraction from a table of shapes; empty where it has none."""
     try:
         record = json.loads(str(metadata(table).get("extract", "{}")))
-    except ValueError:
+    except (ValueError, RecursionError):
         return {}
     return record if isinstance(record, dict) else {}
 
@@ -204,7 +192,9 @@ def phase_centre_of(table: Table, name: str = "the table of shapes") -> PhaseCen
     known = metadata(table)
     try:
         ra, dec = (math.radians(float(str(known[name]))) for name in ("ra0_deg", "dec0_deg"))
-    except (KeyError, ValueError) as error:
+        if not (math.isfinite(ra) and abs(dec) <= math.pi / 2):
+            raise ValueError("no direction")
+    except (KeyError, ValueError, OverflowError) as error:
         raise InputError(
             f"{name} lacks its phase centre (ra0_deg and dec0_deg in its metadata), which is needed to rotate"
             " ellipticities to local North; a table written by `uvshear measure` has it"

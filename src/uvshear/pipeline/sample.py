@@ -6,9 +6,11 @@ from astropy.table import Table
 from uvshear.errors import InputError
 from uvshear.estimators import Estimator, Sample
 from uvshear.geometry.directions import local_north
+from uvshear.io.shape_checks import as_words
 from uvshear.io.shapes import COLUMNS, inside, phase_centre_of
 from uvshear.pipeline.measurement import Measurement
 from uvshear.shapes.measurement import FitFlag
+from uvshear.shapes.statistic_flag import StatisticFlag, flag_column
 from uvshear.typing import Array, Bool
 
 FITTED = tuple(flag.word for flag in FitFlag if flag.is_fitted)
@@ -30,7 +32,27 @@ def sample_of(measurement: Measurement, estimator: Estimator) -> Sample:
     columns = {name: inside(shapes, name) for name in names}
     columns |= {name: _kept(measurement, estimator, name) for name in estimator.columns}
     north = local_north(phase_centre_of(shapes), inside(shapes, "l"), inside(shapes, "m"))
-    return Sample(columns, north)
+    sample = Sample(columns, north)
+    if estimator.columns:
+        _refuse_damage(measurement, estimator, sample)
+    return sample
+
+
+def _refuse_damage(measurement: Measurement, estimator: Estimator, sample: Sample) -> None:
+    """Refuse statistics of which some sources have numbers that were not kept so."""
+    table, name = measurement.statistics, flag_column(estimator.name)
+    found = estimator.damaged(sample)
+    if table is not None and name in table.colnames:
+        # The first of the numbers tells whether there are any.
+        first = sample[next(iter(estimator.columns))]
+        empty = np.array([np.size(value) == 0 or not np.isfinite(value).all() for value in first])
+        found |= empty & (as_words(table[name]) == StatisticFlag.OK.word)
+    if found.any():
+        row = int(np.argmax(found))
+        raise InputError(
+            f"the statistics of the estimator '{estimator.name}' are damaged in row {row + 1}: their numbers cannot"
+            " belong together; measure again"
+        )
 
 
 def selected(
@@ -81,7 +103,11 @@ def _kept(measurement: Measurement, estimator: Estimator, name: str) -> Array:
             f' measure again with --keep {estimator.name} (keep="{estimator.name}")'
         )
     column = table[name]
-    if column.dtype.kind == "O":
+    if len(column) and column.dtype.kind == "O":
         return np.asarray(column)
+    if column.dtype.kind not in "fiu":
+        raise InputError(
+            f"the statistics of the estimator '{estimator.name}': column '{name}' holds no numbers; measure again"
+        )
     filled: Array = np.ma.filled(np.ma.asarray(column, dtype=float), np.nan)
     return filled * COLUMNS[name].inside if name in COLUMNS else filled

@@ -15,6 +15,7 @@ from uvshear.estimators.registry import EstimatorLike
 from uvshear.estimators.shear_estimate import ShearConditions
 from uvshear.execution import SERIAL, Executor
 from uvshear.io.bias_records import read_bias
+from uvshear.io.shape_checks import check_shapes
 from uvshear.io.shapes import averages_cells, extraction_record, inside
 from uvshear.pipeline.measurement import Measurement, read_measurement
 from uvshear.pipeline.sample import sample_of, selected
@@ -115,6 +116,7 @@ def as_measurement(given: MeasurementLike) -> Measurement:
     if isinstance(given, Measurement):
         return given
     if isinstance(given, Table):
+        check_shapes(given, "the table of shapes")
         return Measurement(given, None, None, extraction_record(given))
     if isinstance(given, str | Path):
         return read_measurement(given)

@@ -1,5 +1,6 @@
 """Common parts of all pictures: their colours, a new figure, and its file."""
 
+from io import BytesIO
 from pathlib import Path
 
 from matplotlib.axes import Axes
@@ -29,8 +30,14 @@ def save(figure: Figure, path: Path, *, overwrite: bool = False) -> None:
         raise InputError(
             f"{path}: the extension is not that of a picture; use .png, .pdf or .svg, for instance"
         )
+    # In memory, because matplotlib's writers hide an error of the disk behind others.
+    picture = BytesIO()
+    try:
+        figure.savefig(picture, dpi=150, format=path.suffix.lower().removeprefix("."))
+    except RuntimeError as error:  # such as TeX, which a user's matplotlibrc asks for
+        raise InputError(f"{path}: cannot be drawn: {' '.join(str(error).split())}") from error
     with new_file(path, overwrite=overwrite) as temporary:
-        figure.savefig(temporary, dpi=150)
+        temporary.write_bytes(picture.getbuffer())
 
 
 def new_figure(columns: int, width: float, height: float) -> tuple[Figure, list[Axes]]:

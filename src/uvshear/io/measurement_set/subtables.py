@@ -9,6 +9,7 @@ import numpy as np
 from casacore import tables
 
 from uvshear.interferometer.stokes import Hands
+from uvshear.io.measurement_set.writing import written
 from uvshear.simulation.observation import SimulatedObservation
 
 TOPOCENTRIC = 5
@@ -62,7 +63,7 @@ def _fill(path: Path, columns: Mapping[str, object]) -> None:
     with tables.table(str(path), ack=False) as empty:
         description = empty.getdesc()
     shutil.rmtree(path)
-    with tables.table(str(path), description, nrow=rows, ack=False) as subtable:
+    with written(tables.table(str(path), description, nrow=rows, ack=False)) as subtable:
         for name, values in columns.items():
             subtable.putcol(name, values)
 

@@ -1,5 +1,6 @@
 """Write a simulated observation as a Measurement Set that wsclean, CASA and casacore open."""
 
+import math
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator
@@ -14,12 +15,20 @@ from uvshear.errors import InputError
 from uvshear.execution import SERIAL, Executor
 from uvshear.interferometer.coverage import Coverage
 from uvshear.interferometer.stokes import Hands
+from uvshear.io.disk_space import require_space
 from uvshear.io.measurement_set.subtables import write_subtables
+from uvshear.io.measurement_set.writing import written
 from uvshear.io.outputs import check_output, unfinished
 from uvshear.simulation.observation import CorrelationBlock, SimulatedObservation
 
 TILE_BYTES: Final = 2**20
 """Size of a tile of each column, which is the least that a reader reads."""
+
+OTHER_BYTES: Final = 40
+"""Bytes of a row in columns that are not tiled (24), and its share of the subtables."""
+
+SMALL_BYTES: Final = 2e6
+"""Bytes of small files (0.8 MB for the 197 antennas of SKA-Mid)."""
 
 CONSTANT_COLUMNS: Final = (
     "ARRAY_ID",
@@ -66,14 +75,24 @@ def write_measurement_set(
     """
     target = Path(path)
     _check_target(target, overwrite)
+    require_space(target, _size(observation))
     with _casacore_errors(target), _written_whole(target) as unfinished:
         _create(unfinished, observation)
         write_subtables(unfinished, observation, hands)
-        with tables.table(str(unfinished), readonly=False, ack=False) as main:
+        with written(tables.table(str(unfinished), readonly=False, ack=False)) as main:
             for block in observation.blocks(executor):
                 _write_block(main, observation.coverage, block)
                 if progress is not None:
                     progress(block.first_row + len(block), len(observation.coverage))
+
+
+def _size(observation: SimulatedObservation) -> float:
+    """Return the size of a set [bytes], which is not exceeded."""
+    rows, size = len(observation.coverage), SMALL_BYTES
+    for _, _, shape, item_bytes in _tiled(observation).values():
+        tile_rows = _tile_rows(shape, item_bytes, rows)
+        size += math.prod(shape) * item_bytes * tile_rows * math.ceil(rows / tile_rows)
+    return size + OTHER_BYTES * rows
 
 
 def _check_target(target: Path, overwrite: bool) -> None:
@@ -99,9 +118,9 @@ def _written_whole(target: Path) -> Iterator[Path]:
         ) from None
     try:
         with unfinished(directory):
-            written = directory / target.name
-            yield written
-            _exchange(written, target, directory / "replaced")
+            new = directory / target.name
+            yield new
+            _exchange(new, target, directory / "replaced")
     finally:
         shutil.rmtree(directory, ignore_errors=True)
 
@@ -127,10 +146,10 @@ def _casacore_errors(target: Path) -> Iterator[None]:
         raise InputError(f"{target}: cannot be written ({reason})") from error
 
 
-def _create(path: Path, observation: SimulatedObservation) -> None:
-    """Create an empty Measurement Set with tiled columns, of the right number of rows."""
+def _tiled(observation: SimulatedObservation) -> dict[str, tuple[Any, str, list[int], int]]:
+    """Return an example, the type, the shape and the bytes of a number of the cells of each tiled column."""
     chan, corr = len(observation.channels), 2
-    tiled = {
+    return {
         "DATA": (0j, "complex", [chan, corr], 8),
         "FLAG": (False, "boolean", [chan, corr], 1),
         "WEIGHT_SPECTRUM": (0.0, "float", [chan, corr], 4),
@@ -139,6 +158,11 @@ def _create(path: Path, observation: SimulatedObservation) -> None:
         "SIGMA": (0.0, "float", [corr], 4),
         "UVW": (0.0, "double", [3], 8),
     }
+
+
+def _create(path: Path, observation: SimulatedObservation) -> None:
+    """Create an empty Measurement Set with tiled columns, of the right number of rows."""
+    tiled = _tiled(observation)
     description, managers = tables.required_ms_desc("MAIN"), {}
     for name, (example, kind, shape, item_bytes) in tiled.items():
         managers[f"Tiled{name}"] = _tiled_manager(
@@ -163,7 +187,7 @@ def _create(path: Path, observation: SimulatedObservation) -> None:
                 "dataManagerGroup": name,
             }
     description["UVW"]["keywords"]["MEASINFO"]["Ref"] = "J2000"
-    with tables.default_ms(str(path), description, managers) as main:
+    with written(tables.default_ms(str(path), description, managers)) as main:
         # Rows that are added to an incremental column take over its last value.
         main.addrows(1)
         _write_constants(main, observation)
@@ -171,14 +195,17 @@ def _create(path: Path, observation: SimulatedObservation) -> None:
 
 
 def _tiled_manager(column: str, shape: list[int], item_bytes: int, rows: int) -> dict[str, Any]:
-    cell_bytes = int(np.prod(shape)) * item_bytes
-    tile_rows = max(1, min(rows, TILE_BYTES // cell_bytes))
+    tile_rows = _tile_rows(shape, item_bytes, rows)
     return {
         "TYPE": "TiledColumnStMan",
         "NAME": f"Tiled{column}",
         "COLUMNS": [column],
         "SPEC": {"DEFAULTTILESHAPE": np.array([*reversed(shape), tile_rows], dtype=np.int32)},
     }
+
+
+def _tile_rows(shape: list[int], item_bytes: int, rows: int) -> int:
+    return max(1, min(rows, TILE_BYTES // (math.prod(shape) * item_bytes)))
 
 
 def _write_constants(main: tables.table, observation: SimulatedObservation) -> None:

@@ -1,0 +1,34 @@
+"""Checks of numbers that were kept in a file, which may have been damaged or changed since."""
+
+from collections.abc import Iterable
+from typing import Final
+
+import numpy as np
+
+from uvshear.estimators.sample import Sample
+from uvshear.typing import Array, Bool
+
+LARGEST: Final = 1e30
+"""Modulus below which every number of an estimator is, in SI; sums of products of larger ones may overflow."""
+
+
+def incomplete(
+    sample: Sample, names: Iterable[str], positive: Iterable[str] = ()
+) -> Bool[Array, " source"]:
+    """Tell which sources have numbers that cannot have been kept together.
+
+    An estimator keeps all of its numbers or none of them, which is NaN in each column.
+
+    Parameters
+    ----------
+    names
+        Columns of the numbers.
+    positive
+        Columns among these that are variances.
+    """
+    numbers = np.stack([np.asarray(sample[name], float) for name in names], axis=-1)
+    is_number = np.abs(numbers) < LARGEST
+    found: Bool[Array, " source"] = ~(is_number.all(axis=1) | np.isnan(numbers).all(axis=1))
+    for name in positive:
+        found |= sample[name] < 0
+    return found
