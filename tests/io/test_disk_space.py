@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
-from uvshear.io.measurement_set_writer import _size, write_measurement_set
+from uvshear.io.measurement_set.writer import _size, write_measurement_set
 
 from tests.io.measurement_sets import simulated
 from uvshear.errors import InputError

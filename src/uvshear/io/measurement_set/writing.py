@@ -16,9 +16,8 @@ def written(table: tables.table) -> Iterator[tables.table]:
     """
     try:
         yield table
-        table.flush(
-            recursive=True
-        )  # its failure is an exception, that of closing the end of the process
+        # A failure of flush is an exception; one of close ends the process.
+        table.flush(recursive=True)
         table.close()
     except BaseException:
         ctypes.pythonapi.Py_IncRef(ctypes.py_object(table))
