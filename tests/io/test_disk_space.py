@@ -4,11 +4,11 @@ import os
 from pathlib import Path
 
 import pytest
-from uvshear.io.measurement_set.writer import _size, write_measurement_set
 
 from tests.io.measurement_sets import simulated
 from uvshear.errors import InputError
 from uvshear.io.disk_space import require_space
+from uvshear.io.measurement_set.writer import _size, write_measurement_set
 
 
 def test_what_no_disk_can_hold_is_refused(tmp_path: Path) -> None:
