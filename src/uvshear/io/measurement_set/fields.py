@@ -23,7 +23,7 @@ SAME_DIRECTION: Final = 1e-3 * ARCSEC
 
 
 @dataclass(frozen=True)
-class Field:
+class NamedField:
     """One field of the sky, which may have several rows in FIELD.
 
     Parameters
@@ -44,7 +44,7 @@ class Field:
         return f"{', '.join(map(str, self.numbers))} ({self.name})"
 
 
-def choose_field(path: Path, present: Sequence[int], wanted: int | str | None) -> Field:
+def choose_field(path: Path, present: Sequence[int], wanted: int | str | None) -> NamedField:
     """Return the field to read.
 
     Parameters
@@ -85,7 +85,7 @@ def choose_field(path: Path, present: Sequence[int], wanted: int | str | None) -
     return fields[0]
 
 
-def fields_with_rows(path: Path, present: Sequence[int]) -> tuple[Field, ...]:
+def fields_with_rows(path: Path, present: Sequence[int]) -> tuple[NamedField, ...]:
     """Return all fields that can be chosen, in the order of their first FIELD_ID."""
     names = _names(path)
     if unknown := [number for number in present if number not in names]:
@@ -120,7 +120,9 @@ def _meant(wanted: int | str, present: Sequence[int], names: Mapping[int, str]) 
     return named
 
 
-def _grouped(path: Path, numbers: Sequence[int], names: Mapping[int, str]) -> tuple[Field, ...]:
+def _grouped(
+    path: Path, numbers: Sequence[int], names: Mapping[int, str]
+) -> tuple[NamedField, ...]:
     """Join the rows of FIELD that share name and phase centre."""
     groups: list[tuple[list[int], str, PhaseCentre]] = []
     for number in numbers:
@@ -131,7 +133,7 @@ def _grouped(path: Path, numbers: Sequence[int], names: Mapping[int, str]) -> tu
                 break
         else:
             groups.append(([number], names[number], centre))
-    return tuple(Field(tuple(members), name, centre) for members, name, centre in groups)
+    return tuple(NamedField(tuple(members), name, centre) for members, name, centre in groups)
 
 
 def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCentre:

@@ -11,7 +11,7 @@ from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.io.measurement_set.array_size import longest_baseline
 from uvshear.io.measurement_set.descriptions import DataDescription, read_descriptions
-from uvshear.io.measurement_set.fields import Field, choose_field, fields_with_rows
+from uvshear.io.measurement_set.fields import NamedField, choose_field, fields_with_rows
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
 from uvshear.typing import Array, Float
 
@@ -45,7 +45,7 @@ class Header:
     """
 
     rows: int
-    field: Field
+    field: NamedField
     is_only_field: bool
     descriptions: tuple[DataDescription, ...]
     weight_column: str
@@ -116,7 +116,7 @@ def read_content(main: tables.table) -> Content:
     )
 
 
-def read_fields(path: Path) -> tuple[Field, ...]:
+def read_fields(path: Path) -> tuple[NamedField, ...]:
     """Return the fields that have rows."""
     check_is_measurement_set(path)
     with open_table(path) as main, casacore_errors(path, "FIELD_ID"):

@@ -10,7 +10,7 @@ from uvshear.errors import InputError
 from uvshear.io.inspection import FieldContent, Inspection, Telescope, Window, examine
 from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.descriptions import DataDescription
-from uvshear.io.measurement_set.fields import Field
+from uvshear.io.measurement_set.fields import NamedField
 from uvshear.io.measurement_set.header import read_fields, visibility_columns
 from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
@@ -35,7 +35,7 @@ def inspect_measurement_set(path: Path, reading: Reading) -> Inspection:
     )
 
 
-def _readings(present: Sequence[Field], reading: Reading) -> Iterator[Reading]:
+def _readings(present: Sequence[NamedField], reading: Reading) -> Iterator[Reading]:
     """Yield a reading for each field, by its name where this stands for several rows of FIELD."""
     names = [field.name for field in present]
     for field in present:
