@@ -42,7 +42,8 @@ class Own(Estimator):
 
 
 def test_the_file_lies_beside_the_shapes() -> None:
-    assert statistics_path(Path("field/shapes.ecsv")) == Path("field/shapes.stats.fits")
+    assert statistics_path(Path("field/shapes.fits")) == Path("field/shapes.stats.fits")
+    assert statistics_path(Path("field/shapes.ecsv")) == Path("field/shapes.ecsv.stats.fits")
 
 
 def test_columns_have_units_and_descriptions_and_gaps() -> None:
@@ -115,8 +116,9 @@ def test_arrays_of_one_length_stay_arrays(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("shapes", "message"),
     [
-        (Table({"id": ["a", "b"]}), "has 3 rows, but .*shapes.fits has 2"),
-        (Table({"id": ["a", "c", "b"]}), "or has them in another order"),
+        (Table({"id": ["a", "d"]}), "has no source d, which .*shapes.fits has; measure again"),
+        (Table({"id": ["a", "a"]}), "has sources of the same id"),
+        (Table({"id": ["a", "b", "c"]}, meta={"RUN": "1"}), "belongs to another measurement than"),
         (Table({"name": ["a", "b", "c"]}), "shapes.fits: has no column 'id'"),
     ],
 )
@@ -126,6 +128,17 @@ def test_statistics_of_other_shapes_are_refused(
     path = _written(tmp_path / "shapes.stats.fits", statistics_table(SHAPES, [Moments()], {}))
     with pytest.raises(InputError, match=message):
         read_statistics(path, tmp_path / "shapes.fits", shapes)
+
+
+@pytest.mark.parametrize("ids", [["b"], ["c", "a"], ["c", "b", "a"]])
+def test_shapes_that_were_selected_or_sorted_find_their_statistics(
+    tmp_path: Path, ids: list[str]
+) -> None:
+    kept = {k: {"height": float(k)} for k in range(3)}
+    path = _written(tmp_path / "s.stats.fits", statistics_table(SHAPES, [Own()], kept))
+    back = read_statistics(path, tmp_path / "s.fits", Table({"id": ids}))
+    assert back["id"].tolist() == ids
+    assert back["height"].tolist() == ["abc".index(name) for name in ids]
 
 
 def test_identifiers_are_compared_as_text(tmp_path: Path) -> None:

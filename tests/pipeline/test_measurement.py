@@ -100,12 +100,66 @@ def test_a_read_measurement_can_be_written_elsewhere(kept, tmp_path):
 @pytest.mark.parametrize("name", sorted(FILES))
 def test_nothing_that_exists_is_replaced_unless_asked(kept, tmp_path, name):
     (tmp_path / name).write_text("kept")
-    with pytest.raises(InputError, match="exists already; give --overwrite"):
+    with pytest.raises(InputError, match="exists already"):
         kept.write(tmp_path / "shapes.fits")
     assert _names(tmp_path) == {name}
     assert (tmp_path / name).read_text() == "kept"
-    kept.write(tmp_path / "shapes.fits", overwrite=True)
-    assert _names(tmp_path) == FILES
+    if name == "shapes.fits":
+        kept.write(tmp_path / "shapes.fits", overwrite=True)
+        assert _names(tmp_path) == FILES
+        return
+    # It might be a catalogue: only what a measurement wrote is replaced.
+    with pytest.raises(InputError, match="exists already, and no measurement wrote it"):
+        kept.write(tmp_path / "shapes.fits", overwrite=True)
+    assert (tmp_path / name).read_text() == "kept"
+
+
+def test_companions_of_a_table_that_is_gone_are_replaced(kept, tmp_path):
+    path = tmp_path / "shapes.fits"
+    kept.write(path)
+    path.unlink()
+    other = replace(kept, statistics=None)
+    other.write(path)
+    assert _names(tmp_path) == FILES - {"shapes.stats.fits"}
+    with pytest.raises(InputError, match="exists already; give --overwrite"):
+        other.write(path)
+
+
+def test_tables_in_two_formats_do_not_share_files(kept, tmp_path):
+    kept.write(tmp_path / "shapes.fits")
+    replace(kept, statistics=None).write(tmp_path / "shapes.ecsv")
+    replace(kept, statistics=None).write(tmp_path / "shapes.ecsv", overwrite=True)
+    assert _names(tmp_path) == FILES | {"shapes.ecsv", "shapes.ecsv.sky.fits"}
+    assert read_measurement(tmp_path / "shapes.fits").estimators == ("moments",)
+    assert read_measurement(tmp_path / "shapes.ecsv").statistics is None
+
+
+def _another(kept):
+    shapes = kept.shapes.copy()
+    shapes["e1"] += 0.01
+    return replace(kept, shapes=shapes)
+
+
+@pytest.mark.parametrize("name", ["shapes.stats.fits", "shapes.sky.fits"])
+def test_files_of_two_measurements_are_not_mixed(kept, tmp_path, name):
+    """As a process that is killed between two renames leaves them."""
+    for place, measurement in (("first", kept), ("second", _another(kept))):
+        (tmp_path / place).mkdir()
+        measurement.write(tmp_path / place / "shapes.fits")
+    (tmp_path / "second" / name).replace(tmp_path / "first" / name)
+    with pytest.raises(InputError, match=f"{name}: belongs to another measurement than"):
+        read_measurement(tmp_path / "first" / "shapes.fits")
+
+
+def test_shapes_cut_to_some_rows_have_the_shear_of_these_rows(kept, tmp_path):
+    path = tmp_path / "shapes.fits"
+    kept.write(path)
+    ok = np.flatnonzero(kept.shapes["flag"] == "ok")[[2, 0, 1]]
+    expected = estimate_shear(kept, "moments", where=np.isin(np.arange(len(kept)), ok))
+    Table.read(path)[ok].write(path, overwrite=True)
+    found = estimate_shear(read_measurement(path), "moments")
+    assert found.numbers()["n"] == 3
+    assert found.numbers() == pytest.approx(expected.numbers(), nan_ok=True)
 
 
 @pytest.mark.parametrize("failing", ["write_shapes", "write_statistics", "write_catalogue"])

@@ -8,15 +8,25 @@ import numpy as np
 from astropy.table import Column, Table
 
 from uvshear.errors import InputError
+from uvshear.io.run_identity import run_of
 from uvshear.io.tables import read_table, write_table
 from uvshear.shapes.source_facet import Kept, Statistic
 from uvshear.shapes.statistic_flag import StatisticFlag, flag_column
-from uvshear.typing import Array
+from uvshear.typing import Array, Int
 
 
 def statistics_path(shapes: Path) -> Path:
     """Return the name of the file of statistics that belongs to a table of shapes."""
-    return shapes.with_name(f"{shapes.stem}.stats.fits")
+    return companion(shapes, "stats")
+
+
+def companion(shapes: Path, kind: str) -> Path:
+    """Return the name of a file that belongs to a table of shapes: NAME.kind.fits for NAME.fits.
+
+    Tables in other formats keep their extension in it, so that NAME.ecsv does not share files with NAME.fits.
+    """
+    stem = shapes.stem if shapes.suffix.lower() == ".fits" else shapes.name
+    return shapes.with_name(f"{stem}.{kind}.fits")
 
 
 def statistics_table(
@@ -102,18 +112,32 @@ def read_statistics(path: Path, shapes_path: Path, shapes: Table) -> Table:
             raise InputError(
                 f"{name}: has no column 'id'; a table as `uvshear measure` wrote it is needed"
             )
-    if len(table) != len(shapes):
+    runs = run_of(table), run_of(shapes)
+    if runs[0] != runs[1]:
         raise InputError(
-            f"{path}: has {len(table)} rows, but {shapes_path} has {len(shapes)}; the files of one measurement have"
-            " the same number of rows"
+            f"{path}: belongs to another measurement than {shapes_path} (their entries RUN are {runs[0]} and"
+            f" {runs[1]}); measure again"
         )
-    if np.any(_identifiers(table) != _identifiers(shapes)):
-        raise InputError(
-            f"{path}: has other sources than {shapes_path}, or has them in another order; measure again"
-        )
+    table = table[_rows(_identifiers(table), _identifiers(shapes), path, shapes_path)]
     # FITS has keys in capitals.
     table.meta = {str(name).lower(): value for name, value in table.meta.items()}
     return table
+
+
+def _rows(known: Array, wanted: Array, path: Path, shapes_path: Path) -> Int[Array, " source"]:
+    """Return the row of each wanted source; shapes may have been selected and sorted."""
+    if len(np.unique(known)) < len(known) or len(np.unique(wanted)) < len(wanted):
+        if np.array_equal(known, wanted):
+            return np.arange(len(known))
+        raise InputError(f"{path}: has sources of the same id, so that they cannot be told apart")
+    order = np.argsort(known)
+    place = np.minimum(np.searchsorted(known, wanted, sorter=order), len(known) - 1)
+    rows: Int[Array, " source"] = order[place]
+    if len(missing := wanted[known[rows] != wanted]):
+        raise InputError(
+            f"{path}: has no source {missing[0]}, which {shapes_path} has; measure again"
+        )
+    return rows
 
 
 def _identifiers(table: Table) -> Array:

@@ -20,8 +20,9 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, read_catalogue, write_catalogue
 from uvshear.io.outputs import check_file, new_file
 from uvshear.io.provenance import Provenance
+from uvshear.io.run_identity import RUN, new_run, run_in_file, run_of
 from uvshear.io.shapes import extraction_record, metadata, read_shapes, write_shapes
-from uvshear.io.statistics import read_statistics, statistics_path, write_statistics
+from uvshear.io.statistics import companion, read_statistics, statistics_path, write_statistics
 from uvshear.io.tables import check_table_name
 from uvshear.pipeline.observation import ObservationLike, observation_of
 from uvshear.predict.gridded import Gridding
@@ -106,22 +107,26 @@ class Measurement:
         statistics, sky = companions(target)
         known = metadata(self.shapes)
         made = {name: str(known[name]) for name in Provenance.KEYS if name in known}
+        made[RUN] = run_of(self.shapes) or new_run(self.shapes, made)
+        shapes = self.shapes.copy(copy_data=False)
+        shapes.meta[RUN] = made[RUN]
         with ExitStack() as files:
 
             def new(name: Path) -> Path:
-                return files.enter_context(new_file(name, overwrite=overwrite))
+                # A companion without its table was left by a table that is gone.
+                replaces = overwrite or (name != target and not target.exists())
+                return files.enter_context(new_file(name, overwrite=replaces))
 
             # Files take their names when all of them are written.
-            write_shapes(new(target), self.shapes)
+            write_shapes(new(target), shapes)
             if self.statistics is not None:
                 write_statistics(new(statistics), self.statistics, made)
             if self.sky is not None:
                 write_catalogue(new(sky), self.sky, made)
-        # Files of an earlier measurement would be taken for those of this one.
-        if self.statistics is None:
-            statistics.unlink(missing_ok=True)
-        if self.sky is None:
-            sky.unlink(missing_ok=True)
+        # Files of an earlier measurement would be refused beside this one.
+        for file, content in ((statistics, self.statistics), (sky, self.sky)):
+            if content is None and file.exists() and run_in_file(file) is not None:
+                file.unlink()
 
     def with_provenance(self, provenance: Provenance) -> Self:
         """Return the measurement with the provenance that its files will have."""
@@ -211,14 +216,25 @@ def _course(record: Mapping[str, object]) -> list[str]:
 
 def companions(shapes: Path) -> tuple[Path, Path]:
     """Names of the files of statistics and of the sky that go with a table of shapes."""
-    return statistics_path(shapes), shapes.with_name(f"{shapes.stem}.sky.fits")
+    return statistics_path(shapes), companion(shapes, "sky")
 
 
 def check_outputs(shapes: Path, *, overwrite: bool, inputs: tuple[Path, ...] = ()) -> None:
-    """Refuse outputs of a measurement that cannot be written, before anything is computed for them."""
+    """Refuse outputs of a measurement that cannot be written, before anything is computed for them.
+
+    A companion is replaced if its table of shapes is, or is gone. A file of the name of a companion that no measurement
+    wrote is never replaced.
+    """
     check_table_name(shapes)
-    for path in (shapes, *companions(shapes)):
-        check_file(path, overwrite=overwrite, inputs=inputs)
+    check_file(shapes, overwrite=overwrite, inputs=inputs)
+    is_gone = not shapes.exists()
+    for path in companions(shapes):
+        check_file(path, overwrite=overwrite or is_gone, inputs=inputs)
+        if path.exists() and run_in_file(path) is None:
+            raise InputError(
+                f"{path}: exists already, and no measurement wrote it; it would be replaced by a file that goes with"
+                f" {shapes}, so give another name for the shapes"
+            )
 
 
 def read_measurement(path: str | Path) -> Measurement:
@@ -229,6 +245,14 @@ def read_measurement(path: str | Path) -> Measurement:
     return Measurement(
         shapes=shapes,
         statistics=read_statistics(statistics, target, shapes) if statistics.exists() else None,
-        sky=read_catalogue(sky) if sky.exists() else None,
+        sky=_read_sky(sky, target, shapes) if sky.exists() else None,
         record=extraction_record(shapes),
     )
+
+
+def _read_sky(path: Path, shapes_path: Path, shapes: Table) -> Catalogue:
+    if (run_in_file(path) or None) != run_of(shapes):
+        raise InputError(
+            f"{path}: belongs to another measurement than {shapes_path}; measure again"
+        )
+    return read_catalogue(path)
