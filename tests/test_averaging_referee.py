@@ -12,25 +12,29 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from astropy.table import Table
 from casacore import tables
 
 import uvshear
 from uvshear.constants import ARCMIN, ARCSEC
+from uvshear.extraction import ConvergedExtraction
 from uvshear.galaxy import CatalogueSize, Galaxies
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.attenuation import total_attenuation
 from uvshear.interferometer.coverage import Track
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.plan import ObservingPlan
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.summary import summarise
-from uvshear.io.catalogue import catalogue_from_galaxies
+from uvshear.io.catalogue import Catalogue, catalogue_from_galaxies
 from uvshear.io.measurement_set.writer import write_measurement_set
+from uvshear.io.observations import open_observation
 
 pytestmark = pytest.mark.referee
 
 CENTRE = PhaseCentre(2.0, np.radians(34.0))
 HALF = 10 * ARCMIN
-COUNT = 80
+COUNT = 60
 HOUR = np.radians(15)
 
 
@@ -47,9 +51,13 @@ def _sky(seed: int) -> Galaxies:
 
 
 def _plan() -> ObservingPlan:
-    """Two minutes of every hour before the VLA (A) in integrations of 10 s and channels of 1 MHz."""
-    starts = [hour * HOUR for hour in range(-3, 4)]
-    track = Track(CENTRE, tuple((start, start + HOUR / 30) for start in starts), 10.0)
+    """Sixteen times 100 s before the VLA (A), in integrations of 10 s and channels of 1 MHz.
+
+    They are 28 minutes apart, multiples of 20 s. With much sparser coverage, sidelobes couple all sources of the field,
+    which the errors do not allow for.
+    """
+    starts = np.radians(15) * (np.arange(16) * 28 / 60 - 3.5)
+    track = Track(CENTRE, tuple((start, start + HOUR / 36) for start in starts), 10.0)
     return ObservingPlan(load_layout("vla-a"), track, Channels.from_band(1.396e9, 1.404e9, 8), True)
 
 
@@ -115,8 +123,11 @@ def _with_crossed_hands(path: Path, target: Path) -> None:
         hands.putcell("CORR_PRODUCT", 0, np.array([[0, 0], [0, 1], [1, 0], [1, 1]], np.int32))
 
 
-def _measured(path: Path, catalogue: object) -> object:
-    return uvshear.measure(path, catalogue, model=uvshear.Model(size=CatalogueSize())).shapes
+def _measured(path: Path, catalogue: Catalogue) -> Table:
+    model = uvshear.Model(size=CatalogueSize())
+    # What another major cycle would change must not be mistaken for what averaging changes.
+    method = uvshear.Method(ConvergedExtraction(tolerance=0.03))
+    return uvshear.measure(path, catalogue, model=model, method=method).shapes
 
 
 @pytest.fixture(scope="module")
@@ -133,12 +144,27 @@ def fine(tmp_path_factory: pytest.TempPathFactory) -> tuple:
     return path, catalogue, _measured(path, catalogue)
 
 
-def _changes(fine: tuple, channels: int, times: int) -> tuple:
-    """Changes of e1 and e2 by averaging, and the variances before and after."""
+def _kept(path: Path, catalogue: Catalogue) -> np.ndarray:
+    """Part of the peak of each source's image that smearing leaves."""
+    probes = summarise(open_observation(path)).probes
+    l, m, _ = catalogue.directions(CENTRE)
+    smears = total_attenuation(CENTRE.dec)
+    return np.array(
+        [
+            np.average(smears.factor(probes, *place), weights=probes.weights)
+            for place in zip(l, m, strict=True)
+        ]
+    )
+
+
+def _changes(fine: tuple, channels: int, times: int, kept: float = 0.0) -> tuple:
+    """Changes of e1 and e2 by averaging, and the variances before and after, where averaging keeps this amplitude."""
     path, catalogue, before = fine
-    after = _measured(_averaged(path, channels, times), catalogue)
+    averaged = _averaged(path, channels, times)
+    after = _measured(averaged, catalogue)
     good = (before["flag"] == "ok") & (after["flag"] == "ok")
     assert np.sum(good) > 0.8 * COUNT
+    good &= _kept(averaged, catalogue) >= kept * _kept(path, catalogue)
     names = ("e1", "e2")
     change = np.concatenate([np.array(after[name] - before[name])[good] for name in names])
     fine_var, coarse_var = (
@@ -162,6 +188,7 @@ def test_heavy_averaging_loses_what_the_errors_say(fine: tuple) -> None:
 
 
 def test_light_averaging_changes_little(fine: tuple) -> None:
-    """10 s by 2 MHz leave 99 per cent of the amplitude and more."""
-    change, before, _ = _changes(fine, 2, 1)
+    """By 10 s and 2 MHz, where 99 per cent of the amplitude and more are left."""
+    change, before, _ = _changes(fine, 2, 1, kept=0.99)
+    assert len(change) > 10
     assert np.all(np.abs(change) <= 0.3 * np.sqrt(before))
