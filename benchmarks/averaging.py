@@ -36,8 +36,9 @@ from uvshear.io.catalogue import catalogue_from_galaxies
 CENTRE = PhaseCentre(0.5, np.radians(34.0))
 HALF = 10 * ARCMIN
 LAYOUT = load_layout("vla-a")
-DIAMETER = 95.0
-"""Diameter of dishes whose power beam falls to 20 per cent at the edge of the field [m]."""
+DIAMETER = 56.0
+"""Diameter of dishes whose power beam falls to 20 per cent at 10 arcmin, half of the width of the field [m]; in the
+corners of the field it is below 3 per cent."""
 HOURS = np.radians(15) * np.linspace(-3.5, 3.5, 16)
 LENGTH = 0.025 * np.radians(15)
 """Hour angles in the middle of the parts of the observation, and the length of each."""
@@ -58,10 +59,7 @@ def main() -> None:
     arguments = parse()
     figures: dict[str, float] = {}
     for kept in arguments.kept:
-        results = [
-            measured(kept, arguments.galaxies, seed, arguments.noise, arguments.primary_beam)
-            for seed in arguments.seeds
-        ]
+        results = [measured(kept, seed, arguments) for seed in arguments.seeds]
         name = f"kept_{round(100 * kept)}"
         figures |= {f"{name}_{key}": value for key, value in summary(results).items()}
         print(name, summary(results), flush=True)
@@ -82,6 +80,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--seeds", type=int, nargs="+", default=[1])
     parser.add_argument("--noise", action="store_true")
     parser.add_argument("--primary-beam", action="store_true")
+    parser.add_argument("--circle", action="store_true", help="no galaxies in the corners")
     parser.add_argument("--record", type=Path)
     return parser.parse_args()
 
@@ -101,11 +100,14 @@ def summary(results: list[Result]) -> Mapping[str, float]:
     }
 
 
-def measured(kept: float, number: int, seed: int, noise: bool, has_beam: bool) -> Result:
-    beam = CosineCubedBeam.from_diameters(np.full(len(LAYOUT), DIAMETER)) if has_beam else None
+def measured(kept: float, seed: int, arguments: argparse.Namespace) -> Result:
+    dishes = np.full(len(LAYOUT), DIAMETER)
+    beam = CosineCubedBeam.from_diameters(dishes) if arguments.primary_beam else None
     plan = plan_of(kept, beam)
-    sky = galaxies(number, seed, noise)
-    drawn = seed if noise else None
+    sky = galaxies(arguments.galaxies, seed, arguments.noise)
+    if arguments.circle:
+        sky = within_circle(sky)
+    drawn = seed if arguments.noise else None
     seen = uvshear.simulate(catalogue_from_galaxies(sky, CENTRE), plan, seed=drawn)
     # Fluxes are in units of the noise of a point source.
     sky = replace(sky, flux=sky.flux / np.sqrt(summarise(seen).weight))
@@ -161,6 +163,12 @@ def galaxies(number: int, seed: int, noise: bool) -> Galaxies:
         ellipticity=rng.uniform(0, 0.7, number) * np.exp(2j * np.pi * rng.uniform(size=number)),
         spectral_index=rng.uniform(-1.2, -0.2, number),
     )
+
+
+def within_circle(sky: Galaxies) -> Galaxies:
+    """Map the square to the circle within it: every smaller square becomes a circle."""
+    side, radius = np.maximum(np.abs(sky.l), np.abs(sky.m)), np.hypot(sky.l, sky.m)
+    return replace(sky, l=sky.l * side / radius, m=sky.m * side / radius)
 
 
 if __name__ == "__main__":

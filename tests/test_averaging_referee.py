@@ -4,12 +4,15 @@ With Gaussian noise the shapes e_f of all visibilities are the most precise ones
 then independent of e_f, and its variance is the difference of the variances of e_a and e_f.
 """
 
+import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from casacore import tables
 
 import uvshear
 from uvshear.constants import ARCMIN, ARCSEC
@@ -27,7 +30,7 @@ pytestmark = pytest.mark.referee
 
 CENTRE = PhaseCentre(2.0, np.radians(34.0))
 HALF = 10 * ARCMIN
-COUNT = 120
+COUNT = 80
 HOUR = np.radians(15)
 
 
@@ -44,8 +47,9 @@ def _sky(seed: int) -> Galaxies:
 
 
 def _plan() -> ObservingPlan:
-    """Two hours before the VLA (A) in integrations of 10 s and channels of 1 MHz."""
-    track = Track(CENTRE, ((-HOUR, HOUR),), 10.0)
+    """Two minutes of every hour before the VLA (A) in integrations of 10 s and channels of 1 MHz."""
+    starts = [hour * HOUR for hour in range(-3, 4)]
+    track = Track(CENTRE, tuple((start, start + HOUR / 30) for start in starts), 10.0)
     return ObservingPlan(load_layout("vla-a"), track, Channels.from_band(1.396e9, 1.404e9, 8), True)
 
 
@@ -61,8 +65,54 @@ def _averaged(fine: Path, channels: int, times: int) -> Path:
         f"average.timestep={times}",
         "numthreads=2",
     ]
-    subprocess.run(command, check=True, timeout=600, capture_output=True)
+    # DP3 refuses to run beside threads of the linear algebra.
+    alone = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
+    done = subprocess.run(
+        command, check=False, timeout=600, capture_output=True, text=True, env=alone
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
     return averaged
+
+
+def _with_crossed_hands(path: Path, target: Path) -> None:
+    """Copy a set of XX and YY to one with XY and YX, which are zero; DP3 reads sets of four correlations only."""
+
+    def wide(values: np.ndarray) -> np.ndarray:
+        four = np.zeros((*values.shape[:-1], 4), values.dtype)
+        four[..., [0, 3]] = values
+        four[..., [1, 2]] = values[..., [0]] * (values.dtype.kind != "c")
+        return four
+
+    description = tables.required_ms_desc("MAIN")
+    for name, example, kind in (("DATA", 0j, "complex"), ("WEIGHT_SPECTRUM", 0.0, "float")):
+        column = tables.makearrcoldesc(name, example, ndim=2, valuetype=kind)
+        description |= tables.maketabdesc(column)
+    with (
+        tables.table(str(path), ack=False) as main,
+        tables.default_ms(str(target), description) as copied,
+    ):
+        copied.addrows(main.nrows())
+        for name in ("DATA", "WEIGHT_SPECTRUM", "FLAG", "WEIGHT", "SIGMA"):
+            copied.putcol(name, wide(main.getcol(name)))
+        for name in (
+            "ANTENNA1",
+            "ANTENNA2",
+            "TIME",
+            "TIME_CENTROID",
+            "INTERVAL",
+            "EXPOSURE",
+            "UVW",
+        ):
+            copied.putcol(name, main.getcol(name))
+        copied.putcol("SCAN_NUMBER", main.getcol("SCAN_NUMBER"))
+        for subtable in copied.keywordnames():
+            if (path / subtable).is_dir():
+                shutil.rmtree(target / subtable)
+                shutil.copytree(path / subtable, target / subtable)
+    with tables.table(str(target / "POLARIZATION"), readonly=False, ack=False) as hands:
+        hands.putcell("NUM_CORR", 0, 4)
+        hands.putcell("CORR_TYPE", 0, np.array([9, 10, 11, 12], np.int32))
+        hands.putcell("CORR_PRODUCT", 0, np.array([[0, 0], [0, 1], [1, 0], [1, 1]], np.int32))
 
 
 def _measured(path: Path, catalogue: object) -> object:
@@ -71,13 +121,15 @@ def _measured(path: Path, catalogue: object) -> object:
 
 @pytest.fixture(scope="module")
 def fine(tmp_path_factory: pytest.TempPathFactory) -> tuple:
-    path = tmp_path_factory.mktemp("averaging") / "fine.ms"
+    directory = tmp_path_factory.mktemp("averaging")
+    path = directory / "fine.ms"
     sky, plan = _sky(1), _plan()
     nothing = uvshear.simulate(catalogue_from_galaxies(sky, CENTRE), plan, seed=1)
     sky.flux[:] /= np.sqrt(summarise(nothing).weight)
     catalogue = catalogue_from_galaxies(sky, CENTRE)
     seen = uvshear.simulate(catalogue, plan, noise=nothing.noise, seed=1)
-    write_measurement_set(path, seen)
+    write_measurement_set(directory / "hands.ms", seen)
+    _with_crossed_hands(directory / "hands.ms", path)
     return path, catalogue, _measured(path, catalogue)
 
 
@@ -101,7 +153,7 @@ def test_heavy_averaging_loses_what_the_errors_say(fine: tuple) -> None:
     change, before, after = _changes(fine, 8, 2)
     lost = after - before
     told = lost > 0.05 * before
-    assert np.sum(told) > 100
+    assert np.sum(told) > 80
     pull = change[told] / np.sqrt(lost[told])
     width = float(np.sqrt(np.mean(pull**2)))
     error = width / np.sqrt(2 * len(pull))

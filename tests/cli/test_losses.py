@@ -80,7 +80,7 @@ def test_pointings_that_disagree_are_refused(
     _point_north(tmp_path / "other.ms", 0.002)
     outcome = uvshear("measure", tmp_path / "one.ms", tmp_path / "other.ms", *words)
     assert outcome.status == 2
-    assert "its dishes pointed elsewhere than those of" in outcome.err
+    assert "its dishes pointed in another direction than those of" in outcome.err
     _point_north(tmp_path / "one.ms", 0.002, "DELAY_DIR")
     outcome = uvshear("measure", tmp_path / "one.ms", *words)
     assert outcome.status == 2

@@ -270,7 +270,7 @@ def test_a_population_that_does_not_fit_is_told(
     estimate = json.loads(output.read_text())
     (remark,) = estimate["remarks"]
     assert f"uvshear: note: {remark}" in outcome.err
-    assert "is not that of these galaxies: their sizes are about 0.5" in remark
+    assert "does not fit these galaxies: their sizes are about 0.5" in remark
     assert estimate["goodness"]["size"]["median_log_shift"] == pytest.approx(np.log(0.5), abs=0.1)
     assert estimate["goodness"]["n"] == 110
 

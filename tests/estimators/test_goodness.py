@@ -83,7 +83,7 @@ def test_a_deviation_that_does_not_matter_is_not_told():
 
 def test_other_ellipticities_are_told():
     found = _goodness(_galaxies(ROUND, 120, 0.05, 4))
-    assert found.reasons == ("their ellipticities have another distribution",)
+    assert found.reasons == ("their ellipticities have a different distribution",)
 
 
 def test_a_catalogue_half_of_which_are_points_is_told():
@@ -100,7 +100,7 @@ def test_galaxies_that_do_not_occur_are_counted_and_told():
     bright = [replace(each, flux=each.flux * 100) for each in galaxies]
     found = _goodness([*galaxies[:24], *bright[24:]])
     assert (found.n, found.absent) == (30, 6)
-    assert found.reasons == ("6 of 30 galaxies do not occur in it",)
+    assert found.reasons == ("6 of 30 galaxies cannot belong to it",)
     assert _goodness([*galaxies[:29], bright[29]]).reasons == ()
 
 
@@ -146,7 +146,9 @@ def test_an_estimate_tells_what_to_do():
         [{"likelihood": each} for each in _galaxies(_larger(0.5), 110, 0.02, 5)]
     )
     (remark,) = estimate_sample_shear(Bayesian(), sample).remarks
-    assert remark.startswith("the population (paper) is not that of these galaxies: their sizes")
+    assert remark.startswith(
+        "the assumed population (paper) does not fit these galaxies: their sizes"
+    )
     assert "use --prior fitted, --prior FILE or --estimator moments" in remark
     right = estimate_sample_shear(Bayesian(_larger(0.5)), sample)
     assert right.remarks == ()

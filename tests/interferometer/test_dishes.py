@@ -64,7 +64,7 @@ def test_parts_need_the_same_pointing():
     near = PhaseCentre(CENTRE.ra, CENTRE.dec + 0.5 * ARCSEC)
     assert pointing_of(_joint(Dishes("second", pointing=near))) == (0.0, 0.0)
     with pytest.raises(
-        InputError, match="second: its dishes pointed elsewhere than those of first"
+        InputError, match="second: its dishes pointed in another direction than those of first"
     ):
         pointing_of(_joint(Dishes("second", pointing=NORTH)))
 

@@ -42,4 +42,4 @@ def test_what_cannot_be_told_is_said_to_be_so():
     text = noise_warning("a.ms", estimate(1.5, is_certain=False, other=3.0))
     assert text.startswith("a.ms: whether the weights agree with the noise cannot be told")
     assert "at most 1.5 times" in text
-    assert "3 for the tail" in text
+    assert "3 judging by the tail" in text

@@ -30,7 +30,7 @@ def test_what_carries_weight_is_counted_over_all_chunks():
 
 def test_an_observation_that_is_all_flagged_is_an_error():
     with pytest.raises(
-        InputError, match="all are flagged, without a positive weight, or cannot be right"
+        InputError, match="all are flagged, have no positive weight, or have impossible values"
     ):
         summarise(_observation(np.zeros((3, 2))))
 

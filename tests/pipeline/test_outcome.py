@@ -56,7 +56,7 @@ def test_right_ascensions_in_hours_are_recognised():
     [
         (["ok", "no_peak"], None),
         (["point_source", "point_source"], None),
-        (["no_peak", "no_peak", "not_detected"], "most sources have the flag no_peak"),
+        (["no_peak", "no_peak", "not_detected"], "the most frequent flag is no_peak"),
     ],
 )
 def test_the_likely_cause_is_named(flags, cause):

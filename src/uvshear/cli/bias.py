@@ -66,7 +66,7 @@ def bias(
         typer.Option(
             min=100,
             rich_help_panel=SKY,
-            help="Number of galaxies. With each shear an isolated galaxy is measured four times: with the"
+            help="Number of galaxies. For each shear an isolated galaxy is measured four times: with the"
             " ellipticities e and -e, and for each of these with a realisation of the noise and with the negative"
             " of that noise. With --no-rings, which omits -e, it is measured twice. With --shear 0 all"
             " measurements are repeated with the galaxy and the noise turned by 90 degrees.",

@@ -106,7 +106,8 @@ def measure(
         typer.Option(
             rich_help_panel=DATA,
             help="Origin of the noise level: the weights as they stand, or the data. With data, the weights are scaled"
-            " to the noise that the two parallel hands, the residual of the fitted sky and neighbouring samples show.",
+            " to the noise that is estimated from the difference of the two parallel hands, the residual of the fitted"
+            " sky, and the differences of neighbouring samples.",
         ),
     ] = NoiseName.WEIGHTS,
     ignore_flags: Annotated[
@@ -129,8 +130,8 @@ def measure(
         typer.Option(
             callback=positive,
             rich_help_panel=DATA,
-            help="Frequency to which the catalogue's fluxes refer. It overrides the value in the file, which is"
-            " 1400 if the file has none.",
+            help="Frequency to which the catalogue's fluxes refer. It overrides the value in the file; 1400 if"
+            " neither is given.",
         ),
     ] = None,
     profile: Annotated[
@@ -207,7 +208,7 @@ def measure(
             callback=non_negative,
             rich_help_panel=METHOD,
             help="Shortest baseline to use [wavelengths]; by default the converged extraction leaves out baselines"
-            " too short to carry information on shapes.",
+            " too short to carry information on shapes, unless they are needed for fluxes and sizes.",
             show_default=False,
         ),
     ] = None,

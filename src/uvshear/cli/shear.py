@@ -41,7 +41,8 @@ def shear(
         typer.Option(
             callback=non_negative,
             rich_help_panel=DATA,
-            help="Measured signal-to-noise ratio below which galaxies are left out.",
+            help="Measured signal-to-noise ratio (column snr) below which galaxies are left out. Shear and noise move"
+            " galaxies across this cut, which biases the shear.",
         ),
     ] = 0.0,
     detection_min: Annotated[
@@ -49,8 +50,8 @@ def shear(
         typer.Option(
             callback=non_negative,
             rich_help_panel=DATA,
-            help="Significance of a galaxy against no galaxy, on the baselines that were used (column detection), below"
-            " which galaxies are left out.",
+            help="Measured significance of a galaxy (column detection) below which galaxies are left out. This cut"
+            " biases the shear, too.",
         ),
     ] = 0.0,
     flux_min_ujy: Annotated[
@@ -65,7 +66,7 @@ def shear(
         Path | None,
         typer.Option(
             rich_help_panel=METHOD,
-            help="File written by uvshear bias, whose bias is removed from the shear.",
+            help="File written by uvshear bias. The bias in it is removed from the shear.",
         ),
     ] = None,
     prior: Annotated[

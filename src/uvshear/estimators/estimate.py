@@ -83,7 +83,7 @@ def _known(estimate: ShearEstimate | None, sample: Sample) -> ShearEstimate:
     if estimate is None:
         raise InputError(
             f"of {len(sample)} selected galaxies, fewer than {LEAST} contribute to the shear; {LEAST} or more are"
-            " needed that have no flag, pass the cuts and have statistics"
+            " needed that were measured, pass the cuts and have statistics for the estimator"
         )
     if not cmath.isfinite(estimate.shear):
         raise InputError(

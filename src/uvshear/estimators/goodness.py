@@ -8,8 +8,8 @@ their mean s and covariance C over n galaxies, Hotelling's statistic
 of k parameters has the F distribution with k and n - k degrees of freedom. With all others right, one parameter is off
 by about its s/C.
 
-White's test of the information: with q and h the gradient and the curvature of ln P by the shear, the mean of
-q q^T - h is zero. It also holds for a fitted population, whose scores are zero by construction.
+White's test of the information: with q and h the gradient and the curvature of ln P with respect to the shear, the mean
+of q q^T - h is zero. It also holds for a fitted population, whose scores are zero by construction.
 
 References
 ----------
@@ -88,9 +88,10 @@ class PopulationGoodness:
     n
         Number of galaxies with a likelihood.
     absent
-        Number of these that do not occur in the population.
+        Number of these that cannot belong to the population.
     information_ratio
-        Sum of the squares of the gradients of ln P by the shear over the sum of the curvatures; 1 is expected.
+        Sum of the squares of the gradients of ln P with respect to the shear, over the sum of the curvatures; 1 is
+        expected.
     information_probability
         Probability of a ratio so far from 1 under the right population.
     parts
@@ -144,18 +145,18 @@ class PopulationGoodness:
             found.append(
                 f"their sizes are about {np.exp(np.clip(median, -99, 99)):.2g} times those of the population"
                 if abs(median) >= DIFFERENT
-                else "the scatter of their sizes is another"
+                else "the scatter of their sizes differs from that of the population"
             )
         if ellipticity is not None and not ellipticity.fits:
-            found.append("their ellipticities have another distribution")
+            found.append("their ellipticities have a different distribution")
         is_far = not abs(self.information_ratio - 1) < DIFFERENT_INFORMATION
         if self.information_probability < IMPROBABLE and is_far:
             found.append(
-                "their shapes depend on a shear otherwise than those of the population (information ratio"
-                f" {self.information_ratio:.2g})"
+                "their response to a shear is not that of the population (information ratio"
+                f" {self.information_ratio:.2g}, where 1 is expected)"
             )
         if self.absent > ABSENT * self.n and self.absent >= FEWEST_ABSENT:
-            found.append(f"{self.absent} of {self.n} galaxies do not occur in it")
+            found.append(f"{self.absent} of {self.n} galaxies cannot belong to it")
         return tuple(found)
 
     def record(self) -> dict[str, object]:

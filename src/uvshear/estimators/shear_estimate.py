@@ -129,8 +129,8 @@ class ShearEstimate:
             prior = str(self.assumed.get("prior", "assumed"))
             advice = "" if prior == "fitted" else "--prior fitted, "
             remarks.append(
-                f"the population ({prior}) is not that of these galaxies: {_listed(reasons)}; the shear may be wrong by"
-                f" more than its error: use {advice}--prior FILE or --estimator moments"
+                f"the assumed population ({prior}) does not fit these galaxies: {_listed(reasons)}; the shear may be"
+                f" wrong by more than its error; use {advice}--prior FILE or --estimator moments"
             )
         unknown = {"these galaxies": self} | {
             f"the galaxies of {k}": v for k, v in all_bins.items()
@@ -138,8 +138,8 @@ class ShearEstimate:
         for name, part in unknown.items():
             if not part.is_determined:
                 remarks.append(
-                    f"{name} do not determine a shear: its standard error is {part.error:.2g}, whereas one galaxy's"
-                    f" ellipticity alone gives {SINGLE_GALAXY:g}; use more galaxies or another --estimator"
+                    f"{name} do not determine a shear: its standard error is {part.error:.2g}, whereas that from the"
+                    f" ellipticity of a single galaxy is {SINGLE_GALAXY:g}; use more galaxies or another --estimator"
                     + ("" if part is self else "; this bin is left out")
                 )
         return replace(self, remarks=tuple(remarks))

@@ -49,7 +49,7 @@ def pointing_of(observation: Observation) -> tuple[float, float]:
     for origin, pointing in zip(origins[1:], found[1:], strict=True):
         if math.dist(pointing, found[0]) > SAME_POINTING:
             raise InputError(
-                f"{origin.name}: its dishes pointed elsewhere than those of {origins[0].name};"
+                f"{origin.name}: its dishes pointed in another direction than those of {origins[0].name};"
                 " a primary beam needs the same pointing in all parts"
             )
     return found[0] if math.hypot(*found[0]) > SAME_POINTING else (0.0, 0.0)

@@ -29,13 +29,14 @@ def noise_warning(name: str, noise: NoiseEstimate | None) -> str | None:
     if noise.is_below():
         return (
             f"{name}: the noise is at most {ratio:.3g} times what the weights claim, judging by {origin}, to which"
-            f" sources contribute; all errors are too large, by the inverse of this factor or more, {REMEDY}"
+            f" sources may still contribute; all errors are too large, by at least the inverse of this factor, {REMEDY}"
         )
     if noise.exceeds() and noise.contradicting is not None:
         other = noise.contradicting
         return (
             f"{name}: whether the weights agree with the noise cannot be told, because sources that are not in the"
             f" catalogue or were not fitted contribute to the residual: judging by {origin}, the noise is at most"
-            f" {ratio:.3g} times what the weights imply, whereas the ratio is {other.ratio:.3g} for {other.origin}"
+            f" {ratio:.3g} times what the weights imply, whereas the ratio is {other.ratio:.3g} judging by"
+            f" {other.origin}"
         )
     return None

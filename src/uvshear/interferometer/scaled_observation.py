@@ -55,8 +55,8 @@ def scaled_to_its_noise(observation: Observation) -> ScaledObservation:
     found = noise_over_weights(observation)
     if found is None or found.ratio == 0:
         raise InputError(
-            f"{origin_of(observation).name}: the noise cannot be estimated from the data (there are too few samples, or"
-            " they have no noise, or they have neither two hands nor known neighbours); use the noise of the weights"
-            " (--noise weights)"
+            f"{origin_of(observation).name}: the noise cannot be estimated from the data (there are too few"
+            " visibilities, they have no noise, or there are neither two parallel hands nor successive integrations or"
+            " neighbouring channels to compare); use the noise of the weights (--noise weights)"
         )
     return ScaledObservation(observation, found.ratio)

@@ -111,8 +111,8 @@ class SummaryAccumulator(Accumulator[ObservationSummary]):
         """
         if self._probes is None:
             raise InputError(
-                "no visibility carries weight: all are flagged, without a positive weight, or cannot be right"
-                " (uvshear info tells how many, and why)"
+                "no visibility carries weight: all are flagged, have no positive weight, or have impossible values"
+                " (uvshear info shows how many, and why)"
             )
         return ObservationSummary(
             self._rows,

@@ -55,7 +55,7 @@ COLUMNS: Mapping[str, ShapeColumn] = {
     "e2_err": ShapeColumn("posterior standard deviation of e2"),
     "e12_cov": ShapeColumn("posterior covariance of e1 and e2"),
     "e_sigma": ShapeColumn("1D standard deviation of e, det(covariance)^(1/4)"),
-    "weight": ShapeColumn("lensfit's weight; 0 where nothing was measured"),
+    "weight": ShapeColumn("lensfit's weight; 0 unless the flag is ok"),
     "snr": ShapeColumn("flux over its error at fixed shape, natural weights"),
     "scale_length": ShapeColumn("posterior mean of the scale length", "arcsec", ARCSEC),
     "scale_length_err": ShapeColumn("standard deviation of the scale length", "arcsec", ARCSEC),
@@ -72,15 +72,17 @@ COLUMNS: Mapping[str, ShapeColumn] = {
         "long axis from North through East, in [0, 180)", "deg", float(np.pi / 180)
     ),
     "detection": ShapeColumn(
-        "significance of the source on the baselines that were used, sqrt(2 Delta log L) against nothing"
+        "significance of the source on the baselines that were used, sqrt(2 Delta log L) against no source"
     ),
-    "resolved": ShapeColumn("significance of the extent, sqrt(2 Delta log L) against a point"),
+    "resolved": ShapeColumn(
+        "significance of the extent, sqrt(2 Delta log L) against a point source"
+    ),
     "neighbour_distance": ShapeColumn(
-        "distance of the nearest other source that is modelled", "arcsec", ARCSEC
+        "distance to the nearest other source that is modelled", "arcsec", ARCSEC
     ),
-    "error_widening": ShapeColumn("error of e over the one for known neighbours"),
+    "error_widening": ShapeColumn("error of e over what it would be if the neighbours were known"),
     "remaining_change": ShapeColumn(
-        "change of the model that another major cycle would bring, over the noise"
+        "change of the model that another major cycle would bring, in units of the noise"
     ),
 }
 """Every column of a table of shapes, in order."""
@@ -194,7 +196,7 @@ def phase_centre_of(table: Table, name: str = "the table of shapes") -> PhaseCen
             raise ValueError("no direction")
     except (KeyError, ValueError, OverflowError) as error:
         raise InputError(
-            f"{name} lacks its phase centre (ra0_deg and dec0_deg in its metadata), which is needed to turn"
+            f"{name} lacks its phase centre (ra0_deg and dec0_deg in its metadata), which is needed to rotate"
             " ellipticities to local North; a table written by `uvshear measure` has it"
         ) from error
     return PhaseCentre(ra, dec)

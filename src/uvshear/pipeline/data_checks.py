@@ -81,9 +81,9 @@ class DataChecks:
             if by is not None:
                 found.append(
                     f"{name}: the visibilities agree with the catalogue if UVW is taken with the"
-                    f" opposite sign, by {by:.0f} standard errors; with the present one, sources appear rotated by 180"
-                    " degrees about the phase centre (give --conjugate, or leave it out if it is given, to reverse the"
-                    " sign; in Python, change Reading.conjugates)"
+                    f" opposite sign ({by:.0f} standard errors); with the present sign, sources appear rotated by 180"
+                    " degrees about the phase centre; to reverse the sign, give --conjugate, or leave it out if it is"
+                    " given (in Python, change Reading.conjugates)"
                 )
         return tuple(found)
 
@@ -98,8 +98,8 @@ class DataChecks:
             scale = flux_scale(seen, model)
             if scale is not None:
                 found.append(
-                    f"{name}: the visibilities are about {scale:.0e} times those of the catalogue's"
-                    " sources; check the unit of the catalogue's fluxes"
+                    f"{name}: the visibilities are about {scale:.0e} times those that the catalogue"
+                    " predicts; check the unit of the catalogue's fluxes"
                 )
         return tuple(found)
 

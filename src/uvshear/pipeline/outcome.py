@@ -45,8 +45,8 @@ def check_field(sources: Catalogue, phase_centre: PhaseCentre, flags: np.ndarray
             hint = "; the right ascensions seem to be in hours, and degrees are needed"
     raise InputError(
         f"no source of the catalogue is in the field: the nearest is {math.degrees(nearest):.3g} degrees from the"
-        f" phase centre (RA {math.degrees(phase_centre.ra):.5g}, Dec {math.degrees(phase_centre.dec):.5g} deg), or"
-        f" smearing and the primary beam leave almost nothing of it{hint}"
+        f" phase centre (RA {math.degrees(phase_centre.ra):.5g}, Dec {math.degrees(phase_centre.dec):.5g} deg), which"
+        f" is too far, or smearing and the primary beam leave almost none of its flux{hint}"
     )
 
 
@@ -63,4 +63,4 @@ def why_none_was_measured(shapes: Table) -> str | None:
         return None
     word = max(set(flags[is_galaxy]), key=list(flags[is_galaxy]).count)
     flag = next(flag for flag in FitFlag if flag.word == word)
-    return f"most sources have the flag {word} ({flag.value})"
+    return f"the most frequent flag is {word} ({flag.value})"

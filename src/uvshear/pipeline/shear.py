@@ -81,8 +81,8 @@ def estimate_shear(  # noqa: PLR0913 - the cuts are arguments of their own
     )
     if bias is not None and detection_min > 0:
         raise InputError(
-            f"--detection-min {detection_min:g} (detection_min=): no bias is simulated with this cut; leave it out, or"
-            " do not remove a bias"
+            f"--detection-min {detection_min:g} (detection_min=): simulated biases do not have this cut; leave it out,"
+            " or do not remove a bias"
         )
     if bias is not None:
         check_removable(bias, conditions, name)

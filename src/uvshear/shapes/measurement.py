@@ -17,7 +17,7 @@ class FitFlag(Enum):
     OUTSIDE_FIELD = "the source is outside the radius of the field, or so far from the phase centre that images do not"
     " represent it, or smearing and the primary beam leave almost none of its flux"
     BELOW_HORIZON = "the source is 90 degrees or more from the phase centre"
-    TOO_LARGE = "the source is larger than images with the resolution of the array can be; its size is that of the"
+    TOO_LARGE = "the source is too large for images with the resolution of the array; its size was taken from the"
     " catalogue, or follows from its flux"
     POINT_SOURCE = "the catalogue lists a point source (scale_length 0 or profile point): it is subtracted, not"
     " measured"
@@ -36,8 +36,8 @@ class FitFlag(Enum):
     )
     NOT_DETECTED = "the data do not show a source: its significance (detection) is below 5"
     UNRESOLVED = (
-        "the data do not tell the source from a point: the significance of its extent (resolved) is"
-        " too low"
+        "the data do not distinguish the source from a point source: the significance of its extent"
+        " (resolved) is below 4"
     )
     UNRELIABLE = "the posterior is narrower than the data and the prior together allow"
 

@@ -7,7 +7,7 @@ class StatisticFlag(Enum):
     """Outcome of a statistic; the value is a sentence, and the lower-case name appears in tables."""
 
     OK = "the statistic was computed"
-    NOT_MEASURED = "the source was not measured; the column flag of the shapes tells why"
+    NOT_MEASURED = "the source was not measured; the column flag of the shapes states why"
     NO_DATA = "no visibility on the baselines that the statistic uses carries weight"
     TOO_LARGE = "the source is too large for the statistic: not enough of the sky around it could be taken into account"
     NOT_FITTED = (

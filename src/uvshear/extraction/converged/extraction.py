@@ -3,7 +3,8 @@
 1. Major cycle (``major_cycle``): subtract all models from the visibilities and gather the residual as a facet of each
    source; the first cycle also gathers the beams (``beams``), and the first two leave out the longest baselines.
 2. Minor cycle (``minor_cycle``): fit the sources in turn and together until they hardly move.
-3. Repeat both until another major cycle would change the sources by a small fraction of the noise.
+3. Repeat both until another major cycle would change the sources by a small fraction of the noise; the sky to subtract
+   next is extrapolated from the last cycles (``acceleration``).
 4. Sample the posterior of every galaxy (``shapes``), with its neighbours marginalised
    (``neighbour_marginalisation``).
 5. If statistics are to be kept (``statistics``), first let the sky converge with a very wide prior on ellipticities
@@ -20,6 +21,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from uvshear.execution import single_threaded_libraries
+from uvshear.extraction.converged.acceleration import Cycle, next_sky
 from uvshear.extraction.converged.baselines import Baselines
 from uvshear.extraction.converged.history import History
 from uvshear.extraction.converged.major_cycle import first_major_cycle, next_major_cycle
@@ -83,7 +85,7 @@ class ConvergedExtraction(Extraction):
     keeps_statistics = True
 
     tolerance: float = 0.1
-    most_major_cycles: int = 10
+    most_major_cycles: int = 15
     scale_lengths: float = 45.0
     epsilon: float = 1e-4
     shortest: float | None = None
@@ -141,8 +143,9 @@ class ConvergedExtraction(Extraction):
 
         state: SkyState | None = None
         history = History()
+        cycles: list[Cycle] = []
         while True:
-            fits = modelled.expected if state is None else state.fits
+            fits = modelled.expected if state is None else next_sky(state, cycles)
             is_rough = len(history) < rough_cycles
             plan = planner.plan_roughly(fits) if is_rough else planner.plan(fits)
             meter.expect(workload.foreseen(len(history), plan))
@@ -159,6 +162,9 @@ class ConvergedExtraction(Extraction):
             state, moves = run_minor_cycle(
                 state, tolerance, executor, on_fit, afresh=len(history) < AFRESH
             )
+            # The first step, from the catalogue, tells nothing of those near the maximum of the likelihood.
+            if history:
+                cycles.append(Cycle.from_state(state, modelled.expected))
             history = history.with_cycle(state.change_since(state.subtracted), moves)
             if history.is_diverging and baselines.limit > 0:
                 return None
