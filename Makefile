@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 PACKAGE := $(VENV)/.package
 TOOLS := $(VENV)/.tools
 
-.PHONY: install demo test test-fast lint types referees test-referees chain clean
+.PHONY: install demo test test-fast lint types referees test-referees test-long chain clean
 
 install: $(PACKAGE) $(TOOLS)
 
@@ -45,7 +45,11 @@ referees: install
 	$(BIN)/pip install --quiet --group referees
 
 test-referees: referees
-	$(BIN)/pytest -m referee
+	$(BIN)/pytest -m "referee and not long"
+
+# Several minutes each.
+test-long: referees
+	$(BIN)/pytest -m long
 
 # simulate, wsclean, PyBDSF, measure, shear: the shapes from a source finder's catalogue beside those from the true one.
 chain: referees

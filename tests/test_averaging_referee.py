@@ -30,7 +30,7 @@ from uvshear.io.catalogue import Catalogue, catalogue_from_galaxies
 from uvshear.io.measurement_set.writer import write_measurement_set
 from uvshear.io.observations import open_observation
 
-pytestmark = pytest.mark.referee
+pytestmark = [pytest.mark.referee, pytest.mark.long]
 
 CENTRE = PhaseCentre(2.0, np.radians(34.0))
 HALF = 10 * ARCMIN
