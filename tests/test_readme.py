@@ -28,6 +28,7 @@ def field(tmp_path, monkeypatch):
     rng = np.random.default_rng(2)
     catalogue = Table(
         {
+            "id": np.arange(1, 7),
             "l": np.array([1.0, -1.0, 0.3, -0.6, 1.4, 0.2]) * 1e-3,
             "m": np.array([0.5, 2.0, -0.8, -1.5, -0.4, 1.2]) * 1e-3,
             "flux": np.array([90.0, 120.0, 100.0, 110.0, 130.0, 95.0]) * units.uJy,

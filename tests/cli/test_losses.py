@@ -40,7 +40,7 @@ def _measured(uvshear: Callable, tmp_path: Path, catalogue: Path, *words: str) -
         "--size-prior", "catalogue", *words,
     )  # fmt: skip
     # What is not modelled leaves a residual beside every source.
-    assert outcome.status == 0 or "flag contaminated" in outcome.err, outcome.err
+    assert outcome.status == 0 or "flag is contaminated" in outcome.err, outcome.err
     return Table.read(output)
 
 

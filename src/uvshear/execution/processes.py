@@ -105,8 +105,9 @@ _job: list[Callable[[Any], Any]] = []
 
 def _begin(job: "Queue[bytes]") -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    limit_libraries()
     function, shared = pickle.loads(job.get())
+    # Only now are the libraries loaded that the function needs.
+    limit_libraries()
     _job[:] = [partial(function, shared)]
 
 
