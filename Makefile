@@ -45,7 +45,7 @@ referees: install
 	$(BIN)/pip install --quiet --group referees
 
 test-referees: referees
-	$(BIN)/pytest -m "referee and not long"
+	$(BIN)/pytest -n auto -m "referee and not long"
 
 # Several minutes each.
 test-long: referees
