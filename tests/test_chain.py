@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.referee
+pytestmark = [pytest.mark.referee, pytest.mark.long]
 
 SCRIPT = Path(__file__).parents[1] / "benchmarks" / "chain.py"
 
