@@ -67,6 +67,11 @@ def change(path: Path, column: str, value, rows=None, subtable: str = "") -> Non
         table.putcol(column, values)
 
 
+def edited(path: Path, subtable: str = "") -> tables.table:
+    """Open a table for changes."""
+    return tables.table(str(path / subtable), readonly=False, ack=False)
+
+
 def emptied(path: Path, subtable: str) -> None:
     """Replace a subtable by one without rows. (casacore forgets that rows were removed if none is left.)"""
     with tables.table(str(path / subtable), ack=False) as table:

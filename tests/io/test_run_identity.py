@@ -51,6 +51,7 @@ def test_files_are_told_from_those_that_no_measurement_wrote(tmp_path):
 
     assert run_in_file(written("ours.fits", {"RUN": "1234"})) == "1234"
     assert run_in_file(written("earlier.fits", {"COMMAND": "uvshear measure a.ms"})) == ""
+    assert run_in_file(written("demo.fits", {"COMMAND": "uvshear demo here"})) == ""
     assert run_in_file(written("catalogue.fits", {"COMMAND": "uvshear catalogue"})) is None
     assert run_in_file(written("any.fits", {})) is None
     (tmp_path / "text.fits").write_text("text")

@@ -17,6 +17,10 @@ LENGTH: Final = 16
 """Number of hexadecimal digits."""
 
 
+EARLIER: Final = ("uvshear measure", "uvshear.measure", "uvshear demo")
+"""Beginnings of the commands that wrote files without an identity."""
+
+
 def run_of(table: Table) -> str | None:
     """Return the identity that a table carries; None where it carries none."""
     known = {str(name).lower(): value for name, value in table.meta.items()}
@@ -51,4 +55,13 @@ def run_in_file(path: Path) -> str | None:
     if RUN.upper() in header:
         return str(header[RUN.upper()])
     command = str(header.get("COMMAND", ""))
-    return "" if command.startswith(("uvshear measure", "uvshear.measure")) else None
+    return "" if command.startswith(EARLIER) else None
+
+
+def companion(shapes: Path, kind: str) -> Path:
+    """Return the name of a file that belongs to a table of shapes: NAME.kind.fits for NAME.fits.
+
+    Tables in other formats keep their extension in it, so that NAME.ecsv does not share files with NAME.fits.
+    """
+    stem = shapes.stem if shapes.suffix.lower() == ".fits" else shapes.name
+    return shapes.with_name(f"{stem}.{kind}.fits")

@@ -8,7 +8,7 @@ import numpy as np
 from astropy.table import Column, Table
 
 from uvshear.errors import InputError
-from uvshear.io.run_identity import run_of
+from uvshear.io.run_identity import companion, run_of
 from uvshear.io.tables import read_table, write_table
 from uvshear.shapes.source_facet import Kept, Statistic
 from uvshear.shapes.statistic_flag import StatisticFlag, flag_column
@@ -18,15 +18,6 @@ from uvshear.typing import Array, Int
 def statistics_path(shapes: Path) -> Path:
     """Return the name of the file of statistics that belongs to a table of shapes."""
     return companion(shapes, "stats")
-
-
-def companion(shapes: Path, kind: str) -> Path:
-    """Return the name of a file that belongs to a table of shapes: NAME.kind.fits for NAME.fits.
-
-    Tables in other formats keep their extension in it, so that NAME.ecsv does not share files with NAME.fits.
-    """
-    stem = shapes.stem if shapes.suffix.lower() == ".fits" else shapes.name
-    return shapes.with_name(f"{stem}.{kind}.fits")
 
 
 def statistics_table(

@@ -20,9 +20,9 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, read_catalogue, write_catalogue
 from uvshear.io.outputs import check_file, new_file
 from uvshear.io.provenance import Provenance
-from uvshear.io.run_identity import RUN, new_run, run_in_file, run_of
+from uvshear.io.run_identity import RUN, companion, new_run, run_in_file, run_of
 from uvshear.io.shapes import extraction_record, metadata, read_shapes, write_shapes
-from uvshear.io.statistics import companion, read_statistics, statistics_path, write_statistics
+from uvshear.io.statistics import read_statistics, statistics_path, write_statistics
 from uvshear.io.tables import check_table_name
 from uvshear.pipeline.observation import ObservationLike, observation_of
 from uvshear.predict.gridded import Gridding

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from casacore import tables
 
-from tests.io.measurement_sets import change, written
+from tests.io.measurement_sets import change, edited, written
 from uvshear.errors import InputError
 from uvshear.io.measurement_set.inspection import inspect_measurement_set
 from uvshear.io.measurement_set.observation import MeasurementSet
@@ -16,12 +15,8 @@ def path(tmp_path):
     return written(tmp_path)
 
 
-def _edit(path, subtable=""):
-    return tables.table(str(path / subtable), readonly=False, ack=False)
-
-
 def _add_row(path, subtable, **changes):
-    with _edit(path, subtable) as table:
+    with edited(path, subtable) as table:
         row = table.nrows()
         table.addrows(1)
         for name in table.colnames():
@@ -41,7 +36,7 @@ def _of_zeros(path):
 
 
 def _unfilled(path):
-    with _edit(path, "SPECTRAL_WINDOW") as table:
+    with edited(path, "SPECTRAL_WINDOW") as table:
         table.addrows(1)
     _add_row(path, "DATA_DESCRIPTION", SPECTRAL_WINDOW_ID=1)
 
@@ -92,14 +87,14 @@ def test_a_description_may_have_any_number(path):
 
 
 def test_widths_of_another_shape_than_frequencies_are_refused(path):
-    with _edit(path, "SPECTRAL_WINDOW") as table:
+    with edited(path, "SPECTRAL_WINDOW") as table:
         table.putcell("CHAN_WIDTH", 0, np.full(3, 1e6))
     with pytest.raises(InputError, match=r"CHAN_FREQ has shape \(4,\) and CHAN_WIDTH \(3,\)"):
         MeasurementSet(path)
 
 
 def test_an_effective_bandwidth_of_another_shape_is_not_used(path):
-    with _edit(path, "SPECTRAL_WINDOW") as table:
+    with edited(path, "SPECTRAL_WINDOW") as table:
         table.putcell("EFFECTIVE_BW", 0, np.full(3, 1e6))
     description = MeasurementSet(path).header.descriptions[0]
     np.testing.assert_array_equal(description.averaged, description.channels.width)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from casacore import tables
 
-from tests.io.measurement_sets import change, emptied, written
+from tests.io.measurement_sets import change, edited, emptied, written
 from uvshear.constants import ARCSEC
 from uvshear.errors import InputError
 from uvshear.io.measurement_set.fields import read_direction, read_pointing
@@ -21,18 +21,14 @@ def path(tmp_path):
     return written(tmp_path)
 
 
-def _edit(path, subtable=""):
-    return tables.table(str(path / subtable), readonly=False, ack=False)
-
-
 def _remove_column(path, column, subtable=""):
-    with _edit(path, subtable) as table:
+    with edited(path, subtable) as table:
         table.removecols(column)
 
 
 def _add_fields(path, *names, north=0.0):
     """Add rows to FIELD, copies of the first under other names and farther North, and share the rows out in turn."""
-    with _edit(path, "FIELD") as fields:
+    with edited(path, "FIELD") as fields:
         for name in names:
             row = fields.nrows()
             fields.addrows(1)
@@ -44,7 +40,7 @@ def _add_fields(path, *names, north=0.0):
             direction[0, 1] += north
             fields.putcell("PHASE_DIR", row, direction)
         count = fields.nrows()
-    with _edit(path) as main:
+    with edited(path) as main:
         main.putcol("FIELD_ID", np.arange(main.nrows()) % count)
 
 
@@ -72,7 +68,7 @@ def test_a_phase_centre_that_is_none_is_an_error(path, value):
 
 
 def test_a_phase_centre_in_another_frame_is_an_error(path):
-    with _edit(path, "FIELD") as field:
+    with edited(path, "FIELD") as field:
         field.putcolkeyword("PHASE_DIR", "MEASINFO", {"type": "direction", "Ref": "B1950"})
     with pytest.raises(InputError, match="frame B1950; J2000 or ICRS"):
         MeasurementSet(path)
@@ -138,7 +134,7 @@ def test_other_rows_of_field_may_say_what_they_like(path):
 def _refer_by_row(path, value, kind):
     """Let each row of FIELD name the frame of its direction."""
     example = "" if kind == "string" else 0
-    with _edit(path, "FIELD") as fields:
+    with edited(path, "FIELD") as fields:
         column = tables.makescacoldesc("PhaseDir_Ref", example, valuetype=kind)
         fields.addcols(tables.maketabdesc([column]))
         fields.putcell("PhaseDir_Ref", 0, value)
@@ -165,7 +161,7 @@ def test_a_frame_by_row_that_is_another_is_refused(path, value, kind, told):
 
 
 def test_a_field_that_follows_an_ephemeris_is_refused(path):
-    with _edit(path, "FIELD") as fields:
+    with edited(path, "FIELD") as fields:
         fields.addcols(tables.maketabdesc([tables.makescacoldesc("EPHEMERIS_ID", 0)]))
         fields.putcell("EPHEMERIS_ID", 0, -1)
     MeasurementSet(path)
@@ -175,7 +171,7 @@ def test_a_field_that_follows_an_ephemeris_is_refused(path):
 
 
 def test_a_direction_of_one_number_is_refused(path):
-    with _edit(path, "FIELD") as fields:
+    with edited(path, "FIELD") as fields:
         fields.putcell("PHASE_DIR", 0, np.array([[1.0]]))
     with pytest.raises(InputError, match="PHASE_DIR of field 0 has 1 numbers; right ascension and"):
         MeasurementSet(path)
@@ -188,7 +184,7 @@ def test_fields_need_no_names(path):
 
 def _point(path, column, offset):
     """Move a direction of the field to the North."""
-    with _edit(path, "FIELD") as fields:
+    with edited(path, "FIELD") as fields:
         direction = fields.getcell(column, 0)
         direction[0, 1] += offset
         fields.putcell(column, 0, direction)
@@ -208,6 +204,6 @@ def test_directions_that_disagree_leave_the_pointing_unknown(path):
 
 
 def test_a_set_without_other_directions_pointed_at_its_phase_centre(path):
-    with _edit(path, "FIELD") as fields:
+    with edited(path, "FIELD") as fields:
         fields.removecols(["REFERENCE_DIR", "DELAY_DIR"])
     assert read_pointing(path, 0) == read_header(path, "DATA", None).phase_centre

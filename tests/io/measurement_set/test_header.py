@@ -5,9 +5,8 @@ import shutil
 import pytest
 from casacore import tables
 
-from tests.io.measurement_sets import change, written
+from tests.io.measurement_sets import change, edited, written
 from uvshear.errors import InputError
-from uvshear.io.measurement_set.header import read_diameters
 from uvshear.io.measurement_set.observation import MeasurementSet
 
 
@@ -16,12 +15,8 @@ def path(tmp_path):
     return written(tmp_path)
 
 
-def _edit(path, subtable=""):
-    return tables.table(str(path / subtable), readonly=False, ack=False)
-
-
 def _remove_column(path, column, subtable=""):
-    with _edit(path, subtable) as table:
+    with edited(path, subtable) as table:
         table.removecols(column)
 
 
@@ -89,8 +84,3 @@ def test_crossed_hands_alone_are_an_error(path):
     change(path, "CORR_TYPE", [[10, 11]], subtable="POLARIZATION")
     with pytest.raises(InputError, match=r"\[10, 11\] do not give Stokes I"):
         MeasurementSet(path)
-
-
-def test_diameters_are_those_of_the_antennas(path):
-    change(path, "DISH_DIAMETER", 25.0, rows=[1], subtable="ANTENNA")
-    assert read_diameters(path)[1] == 25.0

@@ -8,7 +8,7 @@ from casacore import tables
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.io.measurement_sets import written
+from tests.io.measurement_sets import edited, written
 from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.observations import open_observation
 
@@ -29,10 +29,6 @@ SPOILT = {
     "ANTENNA": {"POSITION": np.full(3, np.nan)},
 }
 """Cells of rows that nothing refers to."""
-
-
-def _edit(path, subtable=""):
-    return tables.table(str(path / subtable), readonly=False, ack=False)
 
 
 def _rearranged(path, subtable, seed, extra):
@@ -57,7 +53,7 @@ def _rearranged(path, subtable, seed, extra):
                 new.putcell(name, place, value)
     places = np.argsort(order)
     for other, column in REFERENCES[subtable]:
-        with _edit(path, other) as table:
+        with edited(path, other) as table:
             numbers = table.getcol(column)
             inside = (numbers >= 0) & (numbers < len(rows))
             table.putcol(column, np.where(inside, places[np.where(inside, numbers, 0)], numbers))
@@ -120,7 +116,7 @@ def test_a_field_may_have_any_name(original, tmp_path, name):
     path, expected = original
     renamed = tmp_path / "renamed.ms"
     shutil.copytree(path, renamed)
-    with _edit(renamed, "FIELD") as fields:
+    with edited(renamed, "FIELD") as fields:
         fields.putcell("NAME", 0, name)
     for field in (None, 0, name):
         np.testing.assert_array_equal(_seen(MeasurementSet(renamed, field=field)), expected)

@@ -13,7 +13,6 @@ from uvshear.io.measurement_set.array_size import longest_baseline
 from uvshear.io.measurement_set.descriptions import DataDescription, read_descriptions
 from uvshear.io.measurement_set.fields import NamedField, choose_field, fields_with_rows
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
-from uvshear.typing import Array, Float
 
 NEEDED_COLUMNS = ("UVW", "FLAG", "ANTENNA1", "ANTENNA2", "DATA_DESC_ID", "FIELD_ID", "TIME")
 WEIGHT_COLUMNS = ("WEIGHT_SPECTRUM", "WEIGHT", "SIGMA")
@@ -198,15 +197,9 @@ def check_scans(path: Path, scans: Sequence[int]) -> None:
         raise InputError(f"{path}: no rows of scan {absent[0]}; the scans with rows are {known}")
 
 
-def read_diameters(path: Path) -> Float[Array, " antenna"]:
-    """Read the diameter of each antenna's dish [m]; 0 where it is not given."""
-    with open_table(path, "ANTENNA") as table, casacore_errors(path, "ANTENNA"):
-        return np.asarray(table.getcol("DISH_DIAMETER"), float)
-
-
 def _weight_column(path: Path, main: tables.table, column: str) -> str:
     """Return the first weight column that is filled, judged by rows spread over the set."""
-    rows = np.unique(np.linspace(0, main.nrows() - 1, PROBES).astype(int)).tolist()
+    rows = _probed_rows(main)
     for name in WEIGHT_COLUMNS:
         if name not in main.colnames() or not all(main.iscelldefined(name, row) for row in rows):
             continue
@@ -225,6 +218,9 @@ def _weight_column(path: Path, main: tables.table, column: str) -> str:
 def _lacks_exposure(main: tables.table, descriptions: Sequence[DataDescription]) -> bool:
     if not {"EXPOSURE", "INTERVAL"} <= set(main.colnames()):
         return False
-    rows = np.unique(np.linspace(0, main.nrows() - 1, PROBES).astype(int)).tolist()
-    exposed = any(main.getcell("EXPOSURE", row) != 0 for row in rows)
+    exposed = any(main.getcell("EXPOSURE", row) != 0 for row in _probed_rows(main))
     return not exposed and any(description.is_averaged for description in descriptions)
+
+
+def _probed_rows(main: tables.table) -> list[int]:
+    return np.unique(np.linspace(0, main.nrows() - 1, PROBES).astype(int)).tolist()

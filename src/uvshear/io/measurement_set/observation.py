@@ -16,6 +16,7 @@ from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import stokes_i
 from uvshear.interferometer.visibilities import Integrations, Visibilities
+from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.averaging_time import averaging_time
 from uvshear.io.measurement_set.descriptions import DataDescription
 from uvshear.io.measurement_set.fields import read_pointing
@@ -23,7 +24,6 @@ from uvshear.io.measurement_set.header import (
     Header,
     check_scans,
     check_subtracted,
-    read_diameters,
     read_header,
 )
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
@@ -168,7 +168,7 @@ class MeasurementSet:
 
     def dish_diameters(self) -> Float[Array, " antenna"]:
         """Return DISH_DIAMETER of each antenna [m]; 0 where it is not given."""
-        return read_diameters(Path(self.path))
+        return read_antennas(Path(self.path))[1]
 
     def pointing_direction(self) -> PhaseCentre:
         """Return where the dishes pointed: REFERENCE_DIR of the field, or DELAY_DIR, or PHASE_DIR in a set without."""
