@@ -45,6 +45,18 @@ def test_a_request_to_end_that_all_processes_get_is_answered_once(
     assert os.listdir(tmp_path) == []
 
 
+def test_a_request_to_end_that_another_thread_receives_is_answered(tmp_path: Path) -> None:
+    words = "bias --estimator mean --galaxies 100000 --threads 1 -o"
+    running = started(*words.split(), tmp_path / "bias.json")
+    tasks = Path(f"/proc/{running.pid}/task")
+    wait_for(lambda: len(list(tasks.iterdir())) >= 2 and _has_read(running.pid, "numba"))
+    # The system gives a signal to the thread whose number is used, if this thread takes it.
+    os.kill(max(int(task.name) for task in tasks.iterdir()), signal.SIGINT)
+    _, told = running.communicate(timeout=30)
+    assert running.returncode == 130
+    assert told == INTERRUPTION
+
+
 def _workers(session: int) -> list[str]:
     """Return the living processes of a session that work for its leader."""
     found = []

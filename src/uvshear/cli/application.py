@@ -25,7 +25,7 @@ from uvshear.cli.standard_streams import (
     standard_streams,
 )
 from uvshear.errors import InputError
-from uvshear.io.outputs import remove_unfinished
+from uvshear.io.unfinished import remove_unfinished
 
 WRONG_INPUT: Final = 2
 INTERRUPTED: Final = 128 + signal.SIGINT
@@ -34,6 +34,9 @@ INTERRUPTION: Final = "uvshear: interrupted; unfinished outputs have been remove
 
 GRACE: Final = 1.0
 """Time that a command has to clean up after itself once it is interrupted [s]."""
+
+WAKE: Final = 0.2
+"""Longest time after which a signal that another thread has received is answered [s]."""
 
 _ClickException: Final = typer.BadParameter.__mro__[2]
 """Root of the errors in options; typer carries its own copy of click in some versions."""
@@ -100,11 +103,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     with ending_signals(events.put), standard_streams() as output:
         worker = threading.Thread(target=_settle, args=(events.put, arguments, output), daemon=True)
         worker.start()
-        event = events.get()
+        event = _next(events)
         outcome = event if isinstance(event, Outcome) else _stop(worker, event, events)
         worker.join()
         status = _told(outcome)
     sys.exit(status)
+
+
+def _next(events: "SimpleQueue[Outcome | EndRequest]") -> Outcome | EndRequest:
+    """Wait for an event, and wake up now and then: a signal that another thread receives does not wake this one."""
+    while True:
+        with suppress(Empty):
+            return events.get(timeout=WAKE)
 
 
 def _settle(
