@@ -1,6 +1,8 @@
 """``uvshear info``: a summary of a Measurement Set."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
+import math
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -23,6 +25,9 @@ if TYPE_CHECKING:
 EPILOG = "Example: uvshear info FIELD.ms"
 
 Fact = tuple[str, str]
+
+FIRST_DATE, LAST_DATE = 15020 * 86400.0, 124593 * 86400.0
+"""Beginnings of the years 1900 and 2200 [MJD s]; times outside of them are no dates of observations."""
 
 SHORT = "Summarise a Measurement Set."
 
@@ -81,7 +86,6 @@ def _facts_of_set(seen: "Inspection") -> list[Fact]:
 
 def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
     from astropy.coordinates import SkyCoord
-    from astropy.time import Time
 
     counts, centre, ranges = content.counts, content.phase_centre, content.ranges
     direction = SkyCoord(centre.ra, centre.dec, unit="rad")
@@ -97,14 +101,13 @@ def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
     ]
     if not counts.rows:
         return facts
-    start, end = (Time(day / 86400, format="mjd") for day in ranges.time)
     shortest, longest = ranges.interval
     interval = f"{shortest:.4g}" + (f" to {longest:.4g}" if longest > shortest else "")
     widest = max((float(window.averaged.max()) for window in seen.windows), default=0.0)
     over_time = f"{interval} s" if longest > 0 else "none in time"
     over_channel = f"{widest / 1e3:.6g} kHz" if widest > 0 else "none in frequency"
     facts += [
-        ("time", f"{start.isot[:19]} to {end.isot[:19]} UTC"),
+        ("time", " to ".join(map(_date, ranges.time)) + " UTC"),
         ("averaging", f"{over_time}, {over_channel}"),
     ]
     if counts.usable:
@@ -123,6 +126,17 @@ def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
         ("noise / noise implied by the weights", _noise(content)),
         ("UVW is X(ANTENNA1) - X(ANTENNA2)", sense),
     ]
+
+
+def _date(time: float) -> str:
+    """Return a time [MJD s] as a date, or as it is where it is none."""
+    from astropy.time import Time
+
+    if not FIRST_DATE < time < LAST_DATE:
+        return f"MJD {time / 86400:g}" if math.isfinite(time) else "an unknown time"
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # astropy does not know the leap seconds of the future
+        return str(Time(time / 86400, format="mjd").isot[:19])
 
 
 def _noise(content: "FieldContent") -> str:

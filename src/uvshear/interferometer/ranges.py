@@ -8,6 +8,7 @@ import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.interferometer.accumulate import Accumulator
+from uvshear.interferometer.screening import NO_TIME
 from uvshear.interferometer.visibilities import Visibilities
 from uvshear.typing import Array, Float
 
@@ -48,10 +49,14 @@ class RangesAccumulator(Accumulator[ObservationRanges]):
         """Take in the next chunk."""
         if not len(seen):
             return
-        if (taken := seen.integrations) is not None:
-            half = taken.interval / 2
-            self._widen("time", _ends(np.stack([taken.time - half, taken.time + half])))
-            self._widen("interval", _ends(taken.interval))
+        taken = seen.integrations
+        if taken is not None:
+            is_known = taken.time != NO_TIME
+            if is_known.any():
+                time, half = taken.time[is_known], taken.interval[is_known] / 2
+                self._widen("time", _ends(np.stack([time - half, time + half])))
+            if (is_known := is_known | (taken.interval > 0)).any():
+                self._widen("interval", _ends(taken.interval[is_known]))
         if (used := seen.weights > 0).any():
             per_metre = seen.frequency / SPEED_OF_LIGHT
             self._widen("uv_distance", _ends(seen.uv_distance[used]))

@@ -26,6 +26,9 @@ less than a thousandth of that of all others. In sums of single precision they w
 FEW: Final = 0.99
 """Fraction of the samples of a block that have a smaller weight than those that may be too large."""
 
+NO_TIME: Final = 0.0
+"""Time of an integration whose time is not known [MJD s]; it lies in 1858."""
+
 
 def screened(seen: Visibilities) -> Visibilities:
     """Return the samples with a weight of 0 where they cannot be right, and with the numbers of these by reason.
@@ -125,7 +128,7 @@ def _without_wrong_times(seen: Visibilities, wrong: Bool[Array, " row"]) -> Inte
         return taken
     return replace(
         taken,
-        time=np.where(wrong, 0.0, taken.time),
+        time=np.where(wrong, NO_TIME, taken.time),
         interval=np.where(wrong, 0.0, taken.interval),
     )
 
