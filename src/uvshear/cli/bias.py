@@ -22,6 +22,7 @@ from uvshear.cli.options import (
     positive_range,
     provenance,
 )
+from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import ARRAY, METHOD, NOISE, OUTPUT, SKY, GroupedCommand
 from uvshear.cli.registered import PROFILES, profile_named_by_option
 from uvshear.cli.terminal import progress_bar, remarks, say
@@ -276,7 +277,8 @@ def bias(
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
     from uvshear.simulation.noise_level import GalaxyNoise
 
-    check_file(output, overwrite=overwrite, inputs=[Path(prior)])
+    check_file(output, overwrite=overwrite)
+    reserve(context, [output], [Path(prior), Path(layout)])
     position_sigma = position_error_arcsec * ARCSEC
     method = estimator_named(
         estimator, prior=prior, wraps=wraps, position_sigma=position_sigma, seed=seed

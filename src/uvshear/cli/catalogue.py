@@ -18,6 +18,7 @@ from uvshear.cli.options import (
     positive_range,
     provenance,
 )
+from uvshear.cli.outputs import reserve
 from uvshear.cli.terminal import say
 from uvshear.errors import InputError
 
@@ -105,6 +106,7 @@ def catalogue(
 
     check_table_name(output)
     check_file(output, overwrite=overwrite)
+    reserve(context, [output])
     if (density is None) == (count is None):
         raise InputError("--density or --count: give one of the two")
     if ra_deg is not None and declination_deg is None:

@@ -2,6 +2,7 @@
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 import json
+import os
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -41,6 +42,9 @@ PICTURES = (
     "shear",
 )
 
+UNFINISHED: Final = ".uvshear-demo-unfinished"
+"""File that is in the directory until the demo has come to its end, so that the next one may replace what it left."""
+
 INTEGRATION_S: Final = 900
 """32 samples in 8 h: 617 792 rows; 60 s would be 9.3 million."""
 
@@ -71,16 +75,21 @@ def demo(
     if directory.exists() and not directory.is_dir():
         raise InputError(f"{directory}: is a file; a directory is needed")
     names = (*FILES, *(f"{name}.png" for name in PICTURES))
-    there = [directory / name for name in names if (directory / name).exists()]
-    if there and not overwrite:
+    there = [directory / name for name in names if os.path.lexists(directory / name)]
+    # An earlier demo that did not come to its end left these files.
+    is_left = (directory / UNFINISHED).is_file()
+    if there and not (overwrite or is_left):
         raise InputError(f"{there[0]}: exists already; give --overwrite or another directory")
     try:
         directory.mkdir(parents=True, exist_ok=True)
+        if not there:
+            (directory / UNFINISHED).touch()
     except OSError as error:
         raise InputError(f"{directory}: cannot be created: {error.strerror}") from error
     for command in commands(directory):
-        _run(command, threads, overwrite)
-    _compare(directory, overwrite)
+        _run(command, threads, overwrite or is_left)
+    _compare(directory, overwrite or is_left)
+    (directory / UNFINISHED).unlink(missing_ok=True)
 
 
 def commands(directory: Path) -> tuple[tuple[str, ...], ...]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uvshear.cli.options import Overwrite
+from uvshear.cli.outputs import reserve
 from uvshear.cli.terminal import say, show_table
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ def register(app: typer.Typer) -> None:
 
 
 def layouts(
+    context: typer.Context,
     name: Annotated[
         str | None, typer.Argument(help="A known array, or a file of antenna positions.")
     ] = None,
@@ -60,6 +62,7 @@ def layouts(
     layout = load_layout(name)
     picture = Path(f"{layout.name}-layout.png") if output is None else output
     check_file(picture, overwrite=overwrite)
+    reserve(context, [picture], [Path(name)])
     show_table(layout.name, columns, [describe(layout)])
     say(textwrap.shorten(layout.source, 300, placeholder=" ..."))
 

@@ -22,6 +22,7 @@ from uvshear.cli.options import (
     provenance,
     uv_range_of,
 )
+from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import DATA, METHOD, MODEL, OUTPUT, RESOURCES, GroupedCommand
 from uvshear.cli.reading import (
     ColumnOption,
@@ -32,7 +33,7 @@ from uvshear.cli.reading import (
     reading_of,
 )
 from uvshear.cli.registered import PROFILES, named_by, profile_named_by_option
-from uvshear.cli.residual_images import check_residual_image, draw_residual
+from uvshear.cli.residual_images import checked_residual_image, draw_residual
 from uvshear.cli.terminal import notes_of_warnings, progress_bar, remarks, say, shorten
 from uvshear.cli.weightings import (
     GaussianTaperOption,
@@ -271,12 +272,14 @@ def measure(
     from uvshear.execution import Resources, in_threads
     from uvshear.extraction import MeasurementOptions, Method, Model
     from uvshear.pipeline.measure import measure as measure_sources
-    from uvshear.pipeline.measurement import check_outputs
+    from uvshear.pipeline.measurement import check_outputs, companions
     from uvshear.pipeline.outcome import tally, why_none_was_measured
 
-    check_outputs(output, overwrite=overwrite, inputs=(file_of(catalogue),))
+    check_outputs(output, overwrite=overwrite)
+    outputs = [output, *companions(output)]
     if residual_image is not None:
-        check_residual_image(residual_image, output, file_of(catalogue), overwrite=overwrite)
+        outputs += checked_residual_image(residual_image, overwrite=overwrite)
+    reserve(context, outputs, [*measurement_sets, file_of(catalogue)])
     with named_by("--keep", keep or ""):
         kept = estimators_of(keep or ())
     method = Method(

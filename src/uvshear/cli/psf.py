@@ -14,6 +14,7 @@ from uvshear.cli.options import (
     positive,
     uv_range_of,
 )
+from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import METHOD, OUTPUT, GroupedCommand
 from uvshear.cli.psf_table import loss_rows, measure_figures, shape_rows, told
 from uvshear.cli.reading import (
@@ -48,6 +49,7 @@ def register(app: typer.Typer) -> None:
 
 
 def psf(
+    context: typer.Context,
     measurement_sets: Annotated[
         list[Path],
         typer.Argument(
@@ -162,7 +164,7 @@ def psf(
     stem = measurement_sets[0].name.removesuffix(".ms").removesuffix(".MS")
     psf_picture = output or Path(f"{stem}-psf.png")
     uv_picture = uv_output or Path(f"{stem}-uv.png")
-    check_pictures(psf_picture, uv_picture, overwrite=overwrite)
+    reserve_pictures(context, (psf_picture, uv_picture), measurement_sets, overwrite=overwrite)
     size = image_size(max(sigmas), pixel_arcsec)
     reading = reading_of(column, field, scans, conjugates=conjugate)
     executor = in_threads(threads)
@@ -199,14 +201,21 @@ def psf(
     say(f"pictures: {psf_picture}, {uv_picture}")
 
 
-def check_pictures(psf_picture: Path, uv_picture: Path, *, overwrite: bool) -> None:
-    """Refuse pictures that cannot be written, before anything is computed for them."""
+def reserve_pictures(
+    context: typer.Context,
+    pictures: tuple[Path, Path],
+    measurement_sets: list[Path],
+    *,
+    overwrite: bool,
+) -> None:
+    """Refuse pictures that cannot be written, before anything is computed for them, and reserve them."""
     from uvshear.io.outputs import check_file
 
-    if psf_picture == uv_picture:
-        raise InputError(f"--output and --uv-output: both are {psf_picture}; give two names")
-    for path in (psf_picture, uv_picture):
+    if pictures[0] == pictures[1]:
+        raise InputError(f"--output and --uv-output: both are {pictures[0]}; give two names")
+    for path in pictures:
         check_file(path, overwrite=overwrite)
+    reserve(context, pictures, measurement_sets)
 
 
 def image_size(sigma_arcsec: float, pixel_arcsec: float) -> int:

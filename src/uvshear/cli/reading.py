@@ -59,10 +59,11 @@ def reading_of(
     heeds_flags: bool = True,
     subtracted: str | None = None,
 ) -> "Reading":
-    """Return the selection of the options; a number is a field's id, anything else its name."""
+    """Return the selection of the options; a number is a field's id if it has one, anything else is its name."""
     from uvshear.io.reading import Reading
 
-    chosen = int(field) if field is not None and field.isdecimal() else field
+    is_number = field is not None and field.isdecimal() and field == str(int(field))
+    chosen = int(field) if field is not None and is_number else field
     return Reading(
         column,
         chosen,

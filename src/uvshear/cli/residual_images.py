@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from uvshear.cli.terminal import say
 from uvshear.constants import MICROJANSKY
-from uvshear.errors import InputError
 
 if TYPE_CHECKING:
     from uvshear.diagnostics.residual_image import DirtyAndResidual
@@ -30,16 +29,13 @@ def picture_of(image: Path) -> Path:
     return image.with_suffix(".png")
 
 
-def check_residual_image(image: Path, output: Path, catalogue: Path, *, overwrite: bool) -> None:
-    """Refuse a residual image that cannot be written, or whose picture cannot, before anything is computed."""
+def checked_residual_image(image: Path, *, overwrite: bool) -> tuple[Path, Path]:
+    """Return the residual image and its picture, after the check that both can be written."""
     from uvshear.io.images import check_image_name
     from uvshear.io.outputs import check_file
-    from uvshear.pipeline.measurement import companions
 
     check_image_name(image)
-    for path in (image, picture_of(image)):
-        if path.absolute() in {other.absolute() for other in (output, *companions(output))}:
-            raise InputError(
-                f"--residual-image {image}: {path} is also an output of -o {output}; give two names"
-            )
-        check_file(path, overwrite=overwrite, inputs=(catalogue,))
+    files = image, picture_of(image)
+    for path in files:
+        check_file(path, overwrite=overwrite)
+    return files

@@ -8,6 +8,7 @@ import typer
 
 from uvshear.cli.estimators import NAMES, PAPER, PRIOR_METAVAR, estimator_named
 from uvshear.cli.options import Overwrite, Threads, non_negative, provenance
+from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import DATA, METHOD, OUTPUT, GroupedCommand
 from uvshear.cli.terminal import notes_of_warnings, progress_bar, remarks, say, show, warn
 
@@ -108,11 +109,13 @@ def shear(
     from uvshear.execution import in_processes
     from uvshear.io.outputs import check_file
     from uvshear.io.shear_records import write_shear
+    from uvshear.pipeline.measurement import companions
     from uvshear.pipeline.shear import estimate_shear
 
     if output is not None:
-        inputs = [shapes, Path(prior), *([] if calibration is None else [calibration])]
-        check_file(output, overwrite=overwrite, inputs=inputs)
+        check_file(output, overwrite=overwrite)
+        others = [Path(prior), *([] if calibration is None else [calibration])]
+        reserve(context, [output], [shapes, *companions(shapes), *others])
     method = estimator_named(estimator, prior=prior, seed=seed)
     with notes_of_warnings(), progress_bar("estimating the shear") as progress:
         found = estimate_shear(

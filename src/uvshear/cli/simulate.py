@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from uvshear.cli.beams import NONE, PrimaryBeamOption, beam_of_dishes
-from uvshear.cli.catalogues import ColumnMapOption, FluxUnitOption, catalogue_of_options
+from uvshear.cli.catalogues import (
+    ColumnMapOption,
+    FluxUnitOption,
+    catalogue_of_options,
+    file_of,
+)
 from uvshear.cli.options import (
     Overwrite,
     Pair,
@@ -29,6 +34,7 @@ from uvshear.cli.options import (
     positive_range,
     reduced_shear,
 )
+from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import ARRAY, MODEL, NOISE, SKY
 from uvshear.cli.registered import PROFILES, profile_named_by_option
 from uvshear.cli.terminal import progress_bar, say, warn
@@ -63,6 +69,7 @@ def register(app: typer.Typer) -> None:
 
 
 def simulate(
+    context: typer.Context,
     layout: Annotated[
         str,
         typer.Option(
@@ -262,12 +269,15 @@ def simulate(
     from uvshear.interferometer.layout import load_layout
     from uvshear.interferometer.plan import ObservingPlan
     from uvshear.interferometer.spectral_window import Channels
-    from uvshear.io.measurement_set.writer import write_measurement_set
-    from uvshear.io.outputs import check_output
+    from uvshear.io.measurement_set.writer import (
+        check_measurement_set_output,
+        write_measurement_set,
+    )
     from uvshear.pipeline.simulate import simulate as simulate_observation
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
 
-    check_output(output, overwrite=overwrite)
+    check_measurement_set_output(output, overwrite=overwrite)
+    reserve(context, [output], [file_of(catalogue), Path(layout)])
     brightness = profile_named_by_option(profile)
     executor = in_threads(threads)
     sources = catalogue_of_options(catalogue, flux_unit, column_map)

@@ -30,6 +30,7 @@ from uvshear.io.catalogue_columns import (
 )
 from uvshear.io.column_map import check_column_map
 from uvshear.io.columns import shown
+from uvshear.io.identifiers import OTHER_NAMES
 from uvshear.io.tables import Wanted, read_table, write_table
 from uvshear.typing import Array, Bool, Complex, Float, Shaped
 
@@ -39,9 +40,7 @@ BRIGHTEST: Final = 1e10
 STEEPEST: Final = 100.0
 """Largest spectral index, of either sign, that can be computed with; fits to few channels give wild values."""
 
-IDENTIFIERS: Final = frozenset(
-    {"id", "ID", "Id", "Source_Name", "Source_name", "Source_id", "Gaus_id", "uuid"}
-)
+IDENTIFIERS: Final = frozenset({"id", "ID", "Id", "Source_name", *OTHER_NAMES})
 """Columns that may have identifiers, which stay text in formats without types."""
 
 

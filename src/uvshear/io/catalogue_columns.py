@@ -16,6 +16,7 @@ from uvshear.io.aegean import Aegean
 from uvshear.io.column_map import found_names
 from uvshear.io.columns import Columns, NamedColumn, shown
 from uvshear.io.frames import EquatorialFrame, frame_of_metadata
+from uvshear.io.identifiers import identifiers_among
 from uvshear.io.pybdsf import PyBDSF
 from uvshear.io.source_finders import Sizes, SourceFinder
 from uvshear.io.votables import COORDINATE_SYSTEM
@@ -42,12 +43,14 @@ def finder_of(names: Sequence[str]) -> SourceFinder | None:
 
 def columns_of(table: Table, name: str, column_map: Mapping[str, str]) -> Columns:
     """Return the columns of a table: those of a source finder under our names, then those of the map."""
-    sources: dict[str, NamedColumn] = {}
+    sources: Mapping[str, NamedColumn] = {}
     facts: Mapping[str, Any] = {}
     if (finder := finder_of(table.colnames)) is not None:
         sources, facts = finder.sources(table), finder.metadata(table)
+    if "id" not in sources and (other := identifiers_among(table.colnames)) is not None:
+        sources = {**sources, "id": NamedColumn(other)}
     mapped = found_names(column_map, tuple(table.colnames), name)
-    sources |= {ours: NamedColumn(theirs) for ours, theirs in mapped.items()}
+    sources = {**sources, **{ours: NamedColumn(theirs) for ours, theirs in mapped.items()}}
     return Columns(table, name, sources, facts)
 
 

@@ -1,9 +1,23 @@
 """Identifiers that every format of tables can hold."""
 
+from collections.abc import Sequence
+from typing import Final
+
 import numpy as np
 
 from uvshear.errors import InputError
 from uvshear.typing import Array, Shaped
+
+OTHER_NAMES: Final = ("Source_Name", "Source_id", "Gaus_id", "uuid")
+"""Names that archives and source finders give to the column of identifiers, the first that is there before others."""
+
+
+def identifiers_among(names: Sequence[str]) -> str | None:
+    """Return the column of identifiers of a table without a column ``id``; None if no name is that of one."""
+    by_word = {name.lower(): name for name in reversed(names)}
+    if "id" in by_word:
+        return None
+    return next((by_word[other.lower()] for other in OTHER_NAMES if other.lower() in by_word), None)
 
 
 def check_identifiers(identifier: Shaped[Array, " source"]) -> None:

@@ -1,62 +1,119 @@
-"""Outputs that are written completely or not at all: under a temporary name beside the target, then renamed."""
+"""Outputs that are written completely or not at all: in a private directory beside the target, then renamed."""
 
 import json
 import math
 import os
-import shutil
+import secrets
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from uvshear.errors import InputError
+from uvshear.io.placing import one_at_a_time, place_new, replace
+from uvshear.io.reservations import is_reserved, place_of
+from uvshear.io.unfinished import is_unfinished, release, unfinished_directory
 
-_MOST_REMOVALS = 100
 
-_unfinished: set[Path] = set()
+class NewOutputs:
+    """Outputs of one directory that get their names together, when all of them are written.
+
+    Parameters
+    ----------
+    directory
+        Private directory in which they are written, under the names that they will have.
+    """
+
+    def __init__(self, directory: Path) -> None:
+        self._directory = directory
+        self._pending: list[tuple[Path, bool]] = []
+
+    def new(self, path: Path, *, overwrite: bool) -> Path:
+        """Return the temporary path of an output; the last one that is asked for is the last one to get its name."""
+        self._pending.append((path, overwrite))
+        return self._directory / path.name
+
+    def place(self) -> None:
+        """Give all outputs their names; if one cannot have its name, keep those that are left, and say where."""
+        parent = self._directory.parent
+        path = parent
+        try:
+            with one_at_a_time(parent):
+                for path, overwrite in self._pending:
+                    if not overwrite and os.path.lexists(path):
+                        raise FileExistsError
+                for path, overwrite in self._pending:
+                    (replace if overwrite else place_new)(self._directory / path.name, path)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            if isinstance(error, FileExistsError):
+                reason = "it exists now, although it did not when this run began"
+            kept = parent / f"{path.name}.kept-{secrets.token_hex(4)}"
+            release(self._directory, kept)
+            raise InputError(
+                f"{path}: cannot be put in place: {reason}; what was to be written is in the directory {kept}"
+            ) from error
 
 
 @contextmanager
-def unfinished(path: Path) -> Iterator[None]:
-    """Register ``path`` as unfinished within the block, so that it does not outlive the process."""
-    _unfinished.add(path)
+def new_outputs(parent: Path) -> Iterator[NewOutputs]:
+    """Yield a collection of new outputs in a directory, which get their names if the block ends without an error."""
+    with unfinished_directory(parent) as directory:
+        outputs = NewOutputs(directory)
+        yield outputs
+        outputs.place()
+
+
+@contextmanager
+def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
+    """Yield a temporary path to write to, which becomes ``path`` if the block ends without an error."""
+    if is_unfinished(path):
+        yield path  # one of several outputs, which get their names together
+        return
+    check_file(path, overwrite=overwrite)
     try:
-        yield
-    finally:
-        _unfinished.discard(path)
-
-
-def remove_unfinished() -> None:
-    """Remove all unfinished outputs when a process ends without leaving its blocks."""
-    for path in tuple(_unfinished):
-        if path.is_dir() and not path.is_symlink():
-            # Another thread may still be writing files into the directory.
-            for _ in range(_MOST_REMOVALS):
-                shutil.rmtree(path, ignore_errors=True)
-                if not path.exists():
-                    break
-        else:
-            path.unlink(missing_ok=True)
+        with new_outputs(path.parent) as outputs:
+            yield outputs.new(path, overwrite=overwrite)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
 def check_output(path: Path, *, overwrite: bool) -> None:
     """Refuse a target that cannot be written, before anything is computed for it."""
-    _check_place(path)
-    if os.path.lexists(path) and not overwrite:
+    _check_parent(path)
+    if os.path.lexists(path) and not overwrite and not is_reserved(path):
         raise InputError(
             f"{path}: exists already; give --overwrite (overwrite=True) or another name"
         )
 
 
-def check_file(path: Path, *, overwrite: bool, inputs: Sequence[Path] = ()) -> None:
-    """Refuse a target that cannot be written as a file, or that is an input, before anything is computed for it."""
+def check_file(path: Path, *, overwrite: bool) -> None:
+    """Refuse a target that cannot be written as a file, before anything is computed for it."""
     check_output(path, overwrite=overwrite)
-    if path.exists() and any(path.samefile(file) for file in inputs if file.exists()):
-        raise InputError(f"{path}: is an input too; give another name for the output")
     if path.is_dir():
         raise InputError(f"{path}: is a directory; give the name of a file")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is not an ordinary file, and will not be replaced by one")
 
 
-def _check_place(path: Path) -> None:
+def check_apart(outputs: Sequence[Path], inputs: Sequence[Path]) -> None:
+    """Refuse outputs that are one another, an input, within an input or around one."""
+    places = [place_of(path) for path in outputs]
+    for number, place in enumerate(places):
+        if place in places[:number]:
+            raise InputError(f"{outputs[number]}: would be written twice; give two names")
+    existing = [path for path in inputs if path.exists()]
+    for path, place in zip(outputs, places, strict=True):
+        for source in existing:
+            known = source.resolve()
+            if path.exists() and path.samefile(source):
+                raise InputError(f"{path}: is an input too; give another name for the output")
+            if known.is_dir() and known in place.parents:
+                raise InputError(f"{path}: is within the input {source}; give another name")
+            if path.resolve() in known.parents:
+                raise InputError(f"{path}: contains the input {source}; give another name")
+
+
+def _check_parent(path: Path) -> None:
     parent = path.parent
     if not parent.is_dir():
         what = "is not a directory" if parent.exists() else "does not exist"
@@ -65,22 +122,6 @@ def _check_place(path: Path) -> None:
         raise InputError(
             f"{path}: {parent} is not writable; give an output in a directory in which you may write"
         )
-
-
-@contextmanager
-def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
-    """Yield a temporary name to write to, which becomes ``path`` if the block ends without an error."""
-    check_file(path, overwrite=overwrite)
-    # The name is hidden, and its suffix tells writers the format.
-    temporary = path.with_name(f".{path.stem}.partial-{os.getpid()}{path.suffix}")
-    try:
-        with unfinished(temporary):
-            yield temporary
-        temporary.replace(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def write_json(path: Path, values: Mapping[str, object], *, overwrite: bool = False) -> None:

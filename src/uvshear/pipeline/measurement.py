@@ -1,7 +1,6 @@
 """Results of a measurement: shapes, statistics and the fitted sky, in memory or in files."""
 
 from collections.abc import Mapping
-from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -18,7 +17,7 @@ from uvshear.interferometer.summary import ObservationSummary, summarise
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, read_catalogue, write_catalogue
-from uvshear.io.outputs import check_file, new_file
+from uvshear.io.outputs import check_file, new_outputs
 from uvshear.io.provenance import Provenance
 from uvshear.io.run_identity import RUN, companion, new_run, run_in_file, run_of
 from uvshear.io.shapes import extraction_record, metadata, read_shapes, write_shapes
@@ -110,19 +109,19 @@ class Measurement:
         made[RUN] = run_of(self.shapes) or new_run(self.shapes, made)
         shapes = self.shapes.copy(copy_data=False)
         shapes.meta[RUN] = made[RUN]
-        with ExitStack() as files:
-
-            def new(name: Path) -> Path:
-                # A companion without its table was left by a table that is gone.
-                replaces = overwrite or (name != target and not target.exists())
-                return files.enter_context(new_file(name, overwrite=replaces))
-
-            # Files take their names when all of them are written.
-            write_shapes(new(target), shapes)
-            if self.statistics is not None:
-                write_statistics(new(statistics), self.statistics, made)
-            if self.sky is not None:
-                write_catalogue(new(sky), self.sky, made)
+        # A companion without its table was left by a table that is gone.
+        replaces = overwrite or not target.exists()
+        try:
+            with new_outputs(target.parent) as outputs:
+                if self.statistics is not None:
+                    write_statistics(
+                        outputs.new(statistics, overwrite=replaces), self.statistics, made
+                    )
+                if self.sky is not None:
+                    write_catalogue(outputs.new(sky, overwrite=replaces), self.sky, made)
+                write_shapes(outputs.new(target, overwrite=overwrite), shapes)
+        except OSError as error:
+            raise InputError(f"{target}: cannot be written: {error.strerror or error}") from error
         # Files of an earlier measurement would be refused beside this one.
         for file, content in ((statistics, self.statistics), (sky, self.sky)):
             if content is None and file.exists() and run_in_file(file) is not None:
@@ -219,17 +218,17 @@ def companions(shapes: Path) -> tuple[Path, Path]:
     return statistics_path(shapes), companion(shapes, "sky")
 
 
-def check_outputs(shapes: Path, *, overwrite: bool, inputs: tuple[Path, ...] = ()) -> None:
+def check_outputs(shapes: Path, *, overwrite: bool) -> None:
     """Refuse outputs of a measurement that cannot be written, before anything is computed for them.
 
     A companion is replaced if its table of shapes is, or is gone. A file of the name of a companion that no measurement
     wrote is never replaced.
     """
     check_table_name(shapes)
-    check_file(shapes, overwrite=overwrite, inputs=inputs)
+    check_file(shapes, overwrite=overwrite)
     is_gone = not shapes.exists()
     for path in companions(shapes):
-        check_file(path, overwrite=overwrite or is_gone, inputs=inputs)
+        check_file(path, overwrite=overwrite or is_gone)
         if path.exists() and run_in_file(path) is None:
             raise InputError(
                 f"{path}: exists already, and no measurement wrote it; it would be replaced by a file that goes with"

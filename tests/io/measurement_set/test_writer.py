@@ -8,6 +8,7 @@ from tests.io.measurement_sets import PHASE_CENTRE, simulated, written
 from uvshear.errors import InputError
 from uvshear.execution import in_threads
 from uvshear.interferometer.stokes import Hands
+from uvshear.io import outputs
 from uvshear.io.measurement_set.writer import write_measurement_set
 from uvshear.simulation import observation as observation_module
 
@@ -252,17 +253,23 @@ def test_an_interruption_leaves_the_old_set_and_nothing_else(tmp_path, error):
         np.testing.assert_array_equal(main.getcol("DATA"), first)
 
 
-def test_a_failed_exchange_puts_the_old_set_back(tmp_path, monkeypatch):
+def test_a_set_that_cannot_be_put_in_place_is_kept_beside_the_old_one(tmp_path, monkeypatch):
     path = written(tmp_path)
-    rename = type(path).rename
+    with tables.table(str(path), ack=False) as main:
+        first = main.getcol("DATA")
 
-    def fail_for_new(self, target):
-        if self.name == "field.ms" and self.parent != tmp_path:
-            raise OSError("no space")
-        return rename(self, target)
+    def fail(new, target):
+        raise OSError("device or resource busy")
 
-    monkeypatch.setattr(type(path), "rename", fail_for_new)
-    with pytest.raises(InputError, match="no space"):
+    monkeypatch.setattr(outputs, "replace", fail)
+    with pytest.raises(
+        InputError, match=r"cannot be put in place: device or resource busy; .*kept"
+    ):
         write_measurement_set(path, simulated(seed=2), overwrite=True)
-    assert [entry.name for entry in tmp_path.iterdir()] == ["field.ms"]
-    assert (path / "table.dat").is_file()
+    (kept,) = tmp_path.glob("field.ms.kept-*")
+    assert {entry.name for entry in tmp_path.iterdir()} == {"field.ms", kept.name}
+    with tables.table(str(path), ack=False) as main:
+        np.testing.assert_array_equal(main.getcol("DATA"), first)
+    with tables.table(str(kept / "field.ms"), ack=False) as main:
+        assert main.getcol("DATA").shape == first.shape
+        assert not np.array_equal(main.getcol("DATA"), first)

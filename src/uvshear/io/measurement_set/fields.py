@@ -65,8 +65,13 @@ def choose_field(path: Path, present: Sequence[int], wanted: int | str | None) -
             raise InputError(
                 f"{path}: FIELD_ID {present[0]} has no row in FIELD, and so no phase centre"
             )
+        if unknown := [number for number in present if number not in names]:
+            raise InputError(
+                f"{path}: FIELD_ID {unknown[0]} has no row in FIELD, and so no phase centre; the fields with phase"
+                f" centres are {listed}: choose one with --field (field=)"
+            )
         fields = _grouped(path, known, names)
-        if len(fields) > 1 or len(known) < len(present):
+        if len(fields) > 1:
             raise InputError(f"{path}: several fields, {listed}; choose one with --field (field=)")
         return fields[0]
     numbers = _meant(wanted, present, names)
@@ -111,9 +116,9 @@ def _names(path: Path) -> Mapping[int, str]:
 
 def _meant(wanted: int | str, present: Sequence[int], names: Mapping[int, str]) -> list[int]:
     """Return the FIELD_IDs that a number or a name stands for."""
-    if isinstance(wanted, int):
-        return [wanted] if wanted in present else []
-    word = wanted.strip()
+    if isinstance(wanted, int) and wanted in present:
+        return [wanted]
+    word = str(wanted).strip()
     named = [number for number in present if names.get(number) == word]
     if not named and word.isdecimal() and int(word) in present:
         return [int(word)]

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from casacore import tables
@@ -122,6 +123,10 @@ def read_fields(path: Path) -> tuple[NamedField, ...]:
         return fields_with_rows(path, read_content(main).fields)
 
 
+_KEYWORDS: Final = ("MS_VERSION", "SPECTRAL_WINDOW")
+"""Keywords by which a Measurement Set is told from other tables."""
+
+
 def check_is_measurement_set(path: Path) -> None:
     """Refuse a path that is not a Measurement Set, and say what it is instead."""
     if not path.exists():
@@ -129,9 +134,9 @@ def check_is_measurement_set(path: Path) -> None:
     if not (path / "table.dat").is_file():
         raise InputError(f"{path}: not a Measurement Set (a directory that holds table.dat)")
     with open_table(path) as main:
-        if "MS_VERSION" not in main.keywordnames() or "SPECTRAL_WINDOW" not in main.keywordnames():
+        if lacking := [name for name in _KEYWORDS if name not in main.keywordnames()]:
             raise InputError(
-                f"{path}: a casacore table, but not a Measurement Set (MS_VERSION is missing);"
+                f"{path}: a casacore table, but not a Measurement Set (its keyword {lacking[0]} is missing);"
                 " give the Measurement Set itself, not one of its subtables"
             )
 

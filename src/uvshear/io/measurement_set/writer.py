@@ -1,8 +1,6 @@
 """Write a simulated observation as a Measurement Set that wsclean, CASA and casacore open."""
 
 import math
-import shutil
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,7 +16,7 @@ from uvshear.interferometer.stokes import Hands
 from uvshear.io.disk_space import require_space
 from uvshear.io.measurement_set.subtables import write_subtables
 from uvshear.io.measurement_set.writing import written
-from uvshear.io.outputs import check_output, unfinished
+from uvshear.io.outputs import check_output, new_outputs
 from uvshear.simulation.observation import CorrelationBlock, SimulatedObservation
 
 TILE_BYTES: Final = 2**20
@@ -74,9 +72,9 @@ def write_measurement_set(
         Function that is called after every block with the number of rows written and the number of all rows.
     """
     target = Path(path)
-    _check_target(target, overwrite)
+    check_measurement_set_output(target, overwrite=overwrite)
     require_space(target, _size(observation))
-    with _casacore_errors(target), _written_whole(target) as unfinished:
+    with _casacore_errors(target), _written_whole(target, overwrite=overwrite) as unfinished:
         _create(unfinished, observation)
         write_subtables(unfinished, observation, hands)
         with written(tables.table(str(unfinished), readonly=False, ack=False)) as main:
@@ -95,7 +93,8 @@ def _size(observation: SimulatedObservation) -> float:
     return size + OTHER_BYTES * rows
 
 
-def _check_target(target: Path, overwrite: bool) -> None:
+def check_measurement_set_output(target: Path, *, overwrite: bool) -> None:
+    """Refuse a target that cannot be written as a Measurement Set, before anything is computed for it."""
     check_output(target, overwrite=overwrite)
     if target.exists() and not (target / "table.dat").is_file():
         raise InputError(
@@ -104,37 +103,10 @@ def _check_target(target: Path, overwrite: bool) -> None:
 
 
 @contextmanager
-def _written_whole(target: Path) -> Iterator[Path]:
-    """Yield a path beside the target, which is moved there at the end, or removed after an error."""
-    try:
-        directory = Path(
-            tempfile.mkdtemp(
-                prefix=f".{target.name}.", suffix=".unfinished", dir=target.resolve().parent
-            )
-        )
-    except OSError as error:
-        raise InputError(
-            f"{target}: a temporary directory cannot be created beside it ({error.strerror})"
-        ) from None
-    try:
-        with unfinished(directory):
-            new = directory / target.name
-            yield new
-            _exchange(new, target, directory / "replaced")
-    finally:
-        shutil.rmtree(directory, ignore_errors=True)
-
-
-def _exchange(written: Path, target: Path, replaced: Path) -> None:
-    """Put the new set in the place of the old one, which stays in place if this fails."""
-    try:
-        if target.exists():
-            target.rename(replaced)
-        written.rename(target)
-    except BaseException:
-        if replaced.exists() and not target.exists():
-            replaced.rename(target)
-        raise
+def _written_whole(target: Path, *, overwrite: bool) -> Iterator[Path]:
+    """Yield a temporary path, which gets the name of the target at the end, or is removed after an error."""
+    with new_outputs(target.parent) as outputs:
+        yield outputs.new(target, overwrite=overwrite)
 
 
 @contextmanager
