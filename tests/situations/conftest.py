@@ -1,0 +1,59 @@
+"""The clean files of all situations, and their shapes."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from astropy.table import Table
+
+from tests.situations.situation import Files
+from uvshear.cli.application import run
+
+LAYOUT = """5108065 2007720 -3239409 15 A
+5108936 2010295 -3236441 15 B
+5113802 2006061 -3231388 15 C
+5117225 1997993 -3230986 15 D
+5117377 1990481 -3235398 13.5 E
+5108654 2001167 -3242538 13.5 F
+5103811 2003920 -3248473 13.5 G
+5099457 2011820 -3250448 13.5 H
+"""
+
+
+@pytest.fixture(scope="session")
+def clean(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Table]:
+    """Return the directory of the clean files, and the shapes of the clean measurement."""
+    directory = tmp_path_factory.mktemp("clean")
+    (directory / "array.txt").write_text(LAYOUT)
+    for words in (
+        "catalogue --field-arcmin 3 --count 3 --flux-ujy 100 300 --seed 3 --ra-deg 60 --declination-deg -30"
+        " -o {}/cat.ecsv",
+        "simulate --layout {}/array.txt --catalogue {}/cat.ecsv --hours 4 --integration-s 600 --band-mhz 950 1190"
+        " --channels 4 --snr-at 50 50 --seed 2 --threads 1 -o {}/field.ms",
+        "measure {}/field.ms --catalogue {}/cat.ecsv --keep moments --threads 1 -o {}/clean.fits",
+    ):
+        assert run(words.replace("{}", str(directory)).split()) == 0
+    return directory, Table.read(directory / "clean.fits")
+
+
+@pytest.fixture
+def files(tmp_path: Path, clean: tuple[Path, Table]) -> Iterator[Files]:
+    """Return copies of the clean files."""
+    shutil.copytree(clean[0], tmp_path / "here", symlinks=True)
+    yield Files(tmp_path / "here")
+    for path in (tmp_path / "here").rglob("*"):
+        if path.is_dir() and not path.is_symlink():
+            path.chmod(0o755)
+
+
+@pytest.fixture
+def uvshear(capfd: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str]]:
+    """Run a command, and return its status and what it said on standard error."""
+
+    def invoke(words: list[str]) -> tuple[int, str]:
+        capfd.readouterr()
+        status = run(words)
+        return status, capfd.readouterr().err
+
+    return invoke
