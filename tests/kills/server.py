@@ -18,12 +18,16 @@ import uvshear.pipeline.shear
 import uvshear.plot
 from tests.kills.commands import COMMANDS, INPUTS, Command
 from tests.kills.fingerprints import fingerprint, run_of
+from uvshear.cli.application import WRONG_INPUT
 from uvshear.errors import InputError
 from uvshear.io.unfinished import PREFIX
 from uvshear.pipeline.measurement import read_measurement
 
 EVENTS = ("open", "os.", "shutil.", "tempfile.", "ctypes.")
 """Beginnings of the names of audit events at which a process may be killed."""
+
+DEMO_SECONDS, DEMO_EVENTS = 30.0, 1500
+"""A time within which a demo does not end, and a number of events of files that it has."""
 
 NEVER = 10**9
 """Number of an event that does not come."""
@@ -206,5 +210,26 @@ def main(name: str, kills: int, seed: int) -> None:
     print(f"{battery.killed} {battery.events}")  # noqa: T201 - for the test that started this process
 
 
+def kill_demo(kills: int, seed: int) -> None:
+    """Kill the demo, each time on what the last one has left, then let it come to its end."""
+    words, moments = ["demo", "demo", "--threads", "1"], random.Random(seed)
+    killed = 0
+    for number in range(kills):
+        if number % 2:
+            ended = run(words, at_event=moments.randint(1, DEMO_EVENTS))
+        else:
+            ended = run(words, after=moments.uniform(0, DEMO_SECONDS))
+        killed += ended.status is None
+        assert ended.status in {None, 0, WRONG_INPUT}, Path("log").read_text()[-500:]
+    last = run([*words, "--overwrite"] if killed < kills else words)
+    assert last.status == 0, Path("log").read_text()[-500:]
+    hidden = [path.name for path in Path("demo").iterdir() if path.name.startswith(".")]
+    assert not hidden, hidden
+    print(f"{killed} {DEMO_EVENTS}")  # noqa: T201 - for the test that started this process
+
+
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))
+    if sys.argv[1] == "demo":
+        kill_demo(int(sys.argv[2]), int(sys.argv[3]))
+    else:
+        main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))

@@ -11,7 +11,9 @@ from astropy.table import Table
 from tests.situations.situation import SAME, Expected, Files, Situation, refused
 
 MEASURE = "measure {}/field.ms --catalogue {}/cat.ecsv"
-SIMULATE = "simulate --layout {}/array.txt --hours 1 --integration-s 600 --band-mhz 950 1190 --no-noise"
+SIMULATE = (
+    "simulate --layout {}/array.txt --hours 1 --integration-s 600 --band-mhz 950 1190 --no-noise"
+)
 SHEAR = "shear {}/clean.fits --estimator moments -o {}/shear.json"
 
 
