@@ -44,8 +44,9 @@ referees: install
 	command -v wsclean >/dev/null || { apt-get update -q && apt-get install -y -q wsclean; }
 	$(BIN)/pip install --quiet --group referees
 
+# The tests of a group use the same files, which are made once.
 test-referees: referees
-	$(BIN)/pytest -n auto -m "referee and not long"
+	$(BIN)/pytest -n auto --dist loadgroup -m "referee and not long"
 
 # Several minutes each.
 test-long: referees

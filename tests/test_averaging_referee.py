@@ -4,18 +4,15 @@ With Gaussian noise the shapes e_f of all visibilities are the most precise ones
 then independent of e_f, and its variance is the difference of the variances of e_a and e_f.
 """
 
-import os
-import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from astropy.table import Table
-from casacore import tables
 
 import uvshear
+from tests.io.measurement_set.crossed_hands import with_crossed_hands
+from tests.other_programs import run_dp3
 from uvshear.constants import ARCMIN, ARCSEC
 from uvshear.extraction import ConvergedExtraction
 from uvshear.galaxy import CatalogueSize, Galaxies
@@ -64,63 +61,15 @@ def _plan() -> ObservingPlan:
 def _averaged(fine: Path, channels: int, times: int) -> Path:
     """Let DP3 average a Measurement Set."""
     averaged = fine.with_name(f"averaged_{channels}_{times}.ms")
-    command = [
-        str(Path(sys.executable).with_name("DP3.py")),
+    run_dp3(
         f"msin={fine}",
         f"msout={averaged}",
         "steps=[average]",
         f"average.freqstep={channels}",
         f"average.timestep={times}",
-        "numthreads=2",
-    ]
-    # DP3 refuses to run beside threads of the linear algebra.
-    alone = os.environ | {"OPENBLAS_NUM_THREADS": "1"}
-    done = subprocess.run(
-        command, check=False, timeout=600, capture_output=True, text=True, env=alone
+        directory=fine.parent,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
     return averaged
-
-
-def _with_crossed_hands(path: Path, target: Path) -> None:
-    """Copy a set of XX and YY to one with XY and YX, which are zero; DP3 reads sets of four correlations only."""
-
-    def wide(values: np.ndarray) -> np.ndarray:
-        four = np.zeros((*values.shape[:-1], 4), values.dtype)
-        four[..., [0, 3]] = values
-        four[..., [1, 2]] = values[..., [0]] * (values.dtype.kind != "c")
-        return four
-
-    description = tables.required_ms_desc("MAIN")
-    for name, example, kind in (("DATA", 0j, "complex"), ("WEIGHT_SPECTRUM", 0.0, "float")):
-        column = tables.makearrcoldesc(name, example, ndim=2, valuetype=kind)
-        description |= tables.maketabdesc(column)
-    with (
-        tables.table(str(path), ack=False) as main,
-        tables.default_ms(str(target), description) as copied,
-    ):
-        copied.addrows(main.nrows())
-        for name in ("DATA", "WEIGHT_SPECTRUM", "FLAG", "WEIGHT", "SIGMA"):
-            copied.putcol(name, wide(main.getcol(name)))
-        for name in (
-            "ANTENNA1",
-            "ANTENNA2",
-            "TIME",
-            "TIME_CENTROID",
-            "INTERVAL",
-            "EXPOSURE",
-            "UVW",
-        ):
-            copied.putcol(name, main.getcol(name))
-        copied.putcol("SCAN_NUMBER", main.getcol("SCAN_NUMBER"))
-        for subtable in copied.keywordnames():
-            if (path / subtable).is_dir():
-                shutil.rmtree(target / subtable)
-                shutil.copytree(path / subtable, target / subtable)
-    with tables.table(str(target / "POLARIZATION"), readonly=False, ack=False) as hands:
-        hands.putcell("NUM_CORR", 0, 4)
-        hands.putcell("CORR_TYPE", 0, np.array([9, 10, 11, 12], np.int32))
-        hands.putcell("CORR_PRODUCT", 0, np.array([[0, 0], [0, 1], [1, 0], [1, 1]], np.int32))
 
 
 def _measured(path: Path, catalogue: Catalogue) -> Table:
@@ -140,7 +89,7 @@ def fine(tmp_path_factory: pytest.TempPathFactory) -> tuple:
     catalogue = catalogue_from_galaxies(sky, CENTRE)
     seen = uvshear.simulate(catalogue, plan, noise=nothing.noise, seed=1)
     write_measurement_set(directory / "hands.ms", seen)
-    _with_crossed_hands(directory / "hands.ms", path)
+    with_crossed_hands(directory / "hands.ms", path)
     return path, catalogue, _measured(path, catalogue)
 
 

@@ -18,8 +18,8 @@ def _catalogue(path: Path) -> None:
     rng = np.random.default_rng(1)
     dec = np.degrees(np.arcsin(rng.uniform(-1, 1, ROWS)))
     ra = rng.uniform(0, 360, ROWS)
-    near = (np.abs(dec + 30) < FAR) & (ra < 2 * FAR)
-    dec[near] += 90
+    near = (np.abs(dec + 30) < FAR) & (np.abs((ra + 180) % 360 - 180) < 2 * FAR)
+    dec[near] += 60
     ra[:3], dec[:3] = [1e-3, 5e-3, 9e-3], [-30.004, -29.996, -30.001]
     table = Table({"id": np.arange(ROWS), "ra": ra, "dec": dec, "flux": rng.uniform(50, 200, ROWS)})
     table["flux"].unit = "uJy"

@@ -4,18 +4,27 @@ import os
 import subprocess
 import sys
 import textwrap
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from astropy.io import fits
 from scipy.ndimage import gaussian_filter
 
+import uvshear
 from uvshear.constants import ARCSEC
 from uvshear.geometry.deconvolution import matrix_of
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.coverage import Track
+from uvshear.interferometer.layout import load_layout
+from uvshear.interferometer.noise import ScaledNoise
+from uvshear.interferometer.plan import ObservingPlan
+from uvshear.interferometer.spectral_window import Channels
 from uvshear.io.catalogue import read_catalogue
+from uvshear.io.measurement_set.writer import write_measurement_set
 from uvshear.io.source_finders import FWHM_OF_SCALE_LENGTH
 
-pytestmark = pytest.mark.referee
+pytestmark = [pytest.mark.referee, pytest.mark.xdist_group("pybdsf")]
 
 BEAM = (4.0, 3.0, 30.0)
 SOURCES = [(0, 0, 0), (4, 2, 70), (6, 4, 120), (2, 1.5, 0), (3, 3, 0), (5, 3, 20)]
@@ -114,3 +123,33 @@ def test_sizes_and_their_errors_are_right(lists):
     pull = (width - truth)[1:] / err[1:]
     assert np.all(np.abs(pull) < 3.5)
     assert np.all(err[1:] < 0.12 * truth[1:])
+
+
+@pytest.fixture(scope="module")
+def observed(lists):
+    """Visibilities of the galaxies that PyBDSF found, with ellipticities of their own."""
+    found = read_catalogue(lists / "srl.fits")
+    turns = np.exp(2j * np.pi * np.arange(len(found)) / len(found))
+    sky = replace(found, ellipticity=0.3 * turns)
+    centre = PhaseCentre(float(found.ra.mean()), float(found.dec.mean()))
+    track = Track.from_clock(centre, ((-3600.0, 3600.0),), 120.0)
+    plan = ObservingPlan(load_layout("vla-b"), track, Channels.from_band(1.25e9, 1.35e9, 2))
+    path = lists / "field.ms"
+    write_measurement_set(path, uvshear.simulate(sky, plan, noise=ScaledNoise(1e-3), seed=1))
+    return path
+
+
+@pytest.mark.parametrize("kind", ["srl", "gaul"])
+def test_shapes_with_lists_of_every_format_are_the_same(lists, observed, kind):
+    """The text lists have twelve digits; the cycles make 0.001 of the errors of a difference in the last one."""
+    expected, *others = (
+        uvshear.measure(observed, lists / f"{kind}.{format_}").shapes
+        for format_ in ("fits", "ascii", "csv")
+    )
+    for found in others:
+        assert found["id"].tolist() == expected["id"].tolist()
+        assert found["flag"].tolist() == expected["flag"].tolist()
+        for name in ("e1", "e2", "flux_fit", "scale_length"):
+            error = expected[f"{name}_err"]
+            assert np.all(np.abs(found[name] - expected[name]) <= 0.01 * error), name
+            np.testing.assert_allclose(found[f"{name}_err"], error, rtol=0.01, err_msg=name)

@@ -42,9 +42,28 @@ def _without(path, target, columns):
     return target
 
 
-@pytest.mark.parametrize(
-    ("removed", "expected"), [(["EXPOSURE"], 60.0), (["EXPOSURE", "INTERVAL"], 0.0)]
-)
-def test_a_set_may_lack_columns(tmp_path, removed, expected):
-    path = _without(written(tmp_path, is_averaged=True), tmp_path / "less.ms", removed)
-    assert _intervals(path) == ([expected], ())
+def test_a_set_may_lack_exposure(tmp_path):
+    path = _without(written(tmp_path, is_averaged=True), tmp_path / "less.ms", ["EXPOSURE"])
+    assert _intervals(path) == ([60.0], ())
+
+
+UNKNOWN = "no row has an EXPOSURE or an INTERVAL; smearing in time is not in the model"
+
+
+@pytest.mark.parametrize("removed", [["INTERVAL"], ["EXPOSURE", "INTERVAL"]])
+def test_averages_of_unknown_duration_are_told_of(tmp_path, removed):
+    path = written(tmp_path, is_averaged=True)
+    change(path, "EXPOSURE", 0.0)
+    values, (told,) = _intervals(_without(path, tmp_path / "less.ms", removed))
+    assert values == [0.0]
+    assert UNKNOWN in told
+
+
+def test_an_interval_of_zero_is_no_duration(tmp_path):
+    """pyuvdata writes both columns with the EXPOSURE that it has read."""
+    path = written(tmp_path, is_averaged=True)
+    for column in ("EXPOSURE", "INTERVAL"):
+        change(path, column, 0.0)
+    values, (told,) = _intervals(path)
+    assert values == [0.0]
+    assert UNKNOWN in told

@@ -8,6 +8,7 @@ from casacore import tables
 from tests.io.measurement_sets import change, edited, written
 from uvshear.errors import InputError
 from uvshear.io.measurement_set.observation import MeasurementSet
+from uvshear.io.observations import inspect
 
 
 @pytest.fixture
@@ -64,8 +65,9 @@ def test_no_rows_is_an_error(path, tmp_path):
     empty = tmp_path / "empty.ms"
     with tables.table(str(path), ack=False) as main:
         main.copy(str(empty), deep=True, copynorows=True).close()
-    with pytest.raises(InputError, match="has no rows"):
-        MeasurementSet(empty)
+    for function in (MeasurementSet, inspect):
+        with pytest.raises(InputError, match="has no rows"):
+            function(empty)
 
 
 def test_a_missing_subtable_is_an_error(path):

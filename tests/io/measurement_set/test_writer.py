@@ -75,8 +75,25 @@ def test_bulky_columns_are_tiled(path):
     with _table(path) as main:
         managers = main.getdminfo().values()
     kinds = {column: manager["TYPE"] for manager in managers for column in manager["COLUMNS"]}
-    for column in ("DATA", "FLAG", "WEIGHT_SPECTRUM", "SIGMA_SPECTRUM", "UVW"):
-        assert kinds[column] == "TiledColumnStMan"
+    for column in ("DATA", "FLAG", "WEIGHT_SPECTRUM", "SIGMA_SPECTRUM"):
+        assert kinds[column] == "TiledShapeStMan"
+    assert kinds["UVW"] == "TiledColumnStMan"
+
+
+def test_rows_with_another_number_of_channels_can_be_appended(tmp_path):
+    """CASA's concat does so; where cells cannot have another shape, it appends rows without visibilities."""
+    path = written(tmp_path, channels=4)
+    columns = ("DATA", "FLAG", "WEIGHT_SPECTRUM", "SIGMA_SPECTRUM")
+    with tables.table(str(path), readonly=False, ack=False) as main:
+        before = {name: main.getcol(name) for name in columns}
+        last = main.nrows()
+        main.addrows(1)
+        for name in columns:
+            main.putcell(name, last, np.ones((7, 2), before[name].dtype))
+    with _table(path) as main:
+        for name in columns:
+            np.testing.assert_array_equal(main.getcell(name, last), np.ones((7, 2)))
+            np.testing.assert_array_equal(main.getcol(name, 0, last), before[name])
 
 
 def test_uvw_is_j2000_and_times_are_utc(path):

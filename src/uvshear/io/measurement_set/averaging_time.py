@@ -1,5 +1,6 @@
 """The time that each row of a Measurement Set was averaged over."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +34,35 @@ def averaging_time(
     if is_averaged and len(columns) > 1 and np.any(time == 0):
         return np.where(time == 0, _read(path, main, columns[1], start, count), time)
     return time
+
+
+def averaging_notice(main: tables.table, rows: Sequence[int], *, is_averaged: bool) -> str | None:
+    """Return what a user should know about the averaging times of a set, judged by some of its rows.
+
+    Parameters
+    ----------
+    main
+        The main table.
+    rows
+        Rows to look at.
+    is_averaged
+        Whether any channels of the set are averages.
+    """
+
+    def is_filled(name: str) -> bool:
+        return name in columns and any(main.getcell(name, row) != 0 for row in rows)
+
+    columns = main.colnames()
+    if not is_averaged or is_filled("EXPOSURE"):
+        return None
+    if not is_filled("INTERVAL"):
+        return (
+            "the channels are averages, but no row has an EXPOSURE or an INTERVAL; smearing in time is not in the"
+            " model"
+        )
+    if "EXPOSURE" not in columns:
+        return None
+    return "EXPOSURE is 0 although the channels are averages; times are taken to be averages over INTERVAL"
 
 
 def _read(

@@ -11,6 +11,7 @@ from casacore import tables
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.io.measurement_set.array_size import longest_baseline
+from uvshear.io.measurement_set.averaging_time import averaging_notice
 from uvshear.io.measurement_set.descriptions import DataDescription, read_descriptions
 from uvshear.io.measurement_set.fields import NamedField, choose_field, fields_with_rows
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
@@ -38,8 +39,8 @@ class Header:
         Layout of each DATA_DESC_ID that has rows of this field, in order.
     weight_column
         WEIGHT_SPECTRUM, WEIGHT or SIGMA: the first that is filled.
-    lacks_exposure
-        Whether EXPOSURE is 0 although the channels are averages.
+    averaging_notice
+        What is missing in the averaging times of the rows; None if nothing is.
     longest_baseline
         Length that no baseline of the array exceeds [m]; None where the positions of its antennas are not known.
     """
@@ -49,7 +50,7 @@ class Header:
     is_only_field: bool
     descriptions: tuple[DataDescription, ...]
     weight_column: str
-    lacks_exposure: bool
+    averaging_notice: str | None
     longest_baseline: float | None = None
 
     @property
@@ -84,9 +85,8 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
     """Read the metadata and check them; an error is one line."""
     check_is_measurement_set(path)
     with open_table(path) as main:
+        _check_rows(path, main)
         _check_columns(path, main, column)
-        if main.nrows() == 0:
-            raise InputError(f"{path}: has no rows; an observation with visibilities is needed")
         with casacore_errors(path, "a column of the main table or of a subtable"):
             content = read_content(main)
             chosen = choose_field(path, content.fields, field)
@@ -97,7 +97,11 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
                 is_only_field=len(chosen.numbers) == len(content.fields),
                 descriptions=descriptions,
                 weight_column=_weight_column(path, main, column),
-                lacks_exposure=_lacks_exposure(main, descriptions),
+                averaging_notice=averaging_notice(
+                    main,
+                    _probed_rows(main),
+                    is_averaged=any(description.is_averaged for description in descriptions),
+                ),
                 longest_baseline=longest_baseline(path, main),
             )
 
@@ -120,6 +124,7 @@ def read_fields(path: Path) -> tuple[NamedField, ...]:
     """Return the fields that have rows."""
     check_is_measurement_set(path)
     with open_table(path) as main, casacore_errors(path, "FIELD_ID"):
+        _check_rows(path, main)
         return fields_with_rows(path, read_content(main).fields)
 
 
@@ -172,6 +177,11 @@ def check_subtracted(path: Path, column: str, subtracted: str) -> None:
         )
 
 
+def _check_rows(path: Path, main: tables.table) -> None:
+    if main.nrows() == 0:
+        raise InputError(f"{path}: has no rows; an observation with visibilities is needed")
+
+
 def _check_columns(path: Path, main: tables.table, column: str) -> None:
     check_column(path, main, column)
     present = main.colnames()
@@ -218,13 +228,6 @@ def _weight_column(path: Path, main: tables.table, column: str) -> str:
         f"{path}: no positive weights in {', '.join(WEIGHT_COLUMNS)};"
         " one of them must hold 1/sigma^2 (or sigma)"
     )
-
-
-def _lacks_exposure(main: tables.table, descriptions: Sequence[DataDescription]) -> bool:
-    if not {"EXPOSURE", "INTERVAL"} <= set(main.colnames()):
-        return False
-    exposed = any(main.getcell("EXPOSURE", row) != 0 for row in _probed_rows(main))
-    return not exposed and any(description.is_averaged for description in descriptions)
 
 
 def _probed_rows(main: tables.table) -> list[int]:

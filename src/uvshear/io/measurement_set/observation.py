@@ -155,10 +155,8 @@ class MeasurementSet:
                 f"FIELD_IDs {', '.join(map(str, numbers))} have one name, {self.header.field.name}, and one phase"
                 " centre; they are read as one field"
             )
-        if self.header.lacks_exposure:
-            found.append(
-                "EXPOSURE is 0 although the channels are averages; times are taken to be averages over INTERVAL"
-            )
+        if self.header.averaging_notice is not None:
+            found.append(self.header.averaging_notice)
         return tuple(found)
 
     def uvw_agrees(self) -> bool | None:

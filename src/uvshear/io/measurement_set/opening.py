@@ -1,5 +1,6 @@
 """Tables of a Measurement Set, opened for reading without waiting for other processes."""
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,13 @@ WITHOUT_LOCK: Final = "autonoread"
 set open for writing, and could not be interrupted."""
 
 
+NO_STORAGE_MANAGER: Final = (
+    re.compile(r"Shared library (\w+) not found"),
+    re.compile(r"Data Manager class (\S+) is not registered"),
+)
+"""casacore's words for a storage manager that it does not have. The name of the library is in lower case."""
+
+
 @contextmanager
 def casacore_errors(path: Path, what: str) -> Iterator[None]:
     """Turn casacore's own errors into one line."""
@@ -21,7 +29,23 @@ def casacore_errors(path: Path, what: str) -> Iterator[None]:
         yield
     except (RuntimeError, OSError) as error:
         reason = " ".join(str(error).split())
+        for words in NO_STORAGE_MANAGER:
+            if (found := words.search(reason)) is not None:
+                raise InputError(_no_storage_manager(path, what, found[1])) from error
         raise InputError(f"{path}: {what} cannot be read ({reason})") from error
+
+
+def _no_storage_manager(path: Path, what: str, name: str) -> str:
+    """Say what to do about a table whose storage manager is not there, by the name that table.dat has for it."""
+    try:
+        known = re.search(rf"(?i){re.escape(name)}\b".encode(), (path / "table.dat").read_bytes())
+    except OSError:
+        known = None
+    called = name if known is None else known[0].decode()
+    return (
+        f"{path}: {what} has columns in {called}, a storage manager that is not part of this casacore; write the set"
+        f" anew where it is, for example with DP3 msin={path.name} msout=PLAIN.ms steps=[] msout.storagemanager="
+    )
 
 
 @contextmanager
