@@ -11,7 +11,7 @@ from uvshear.imaging.cutout import Cutout, cutout, cutout_size
 
 PIXEL = 8e-6
 NYQUIST = 0.5 / PIXEL
-CUTOUTS = [Cutout(96, PIXEL, 0.0, NYQUIST / 1.2), Cutout(120, PIXEL, 0.1 * NYQUIST, 0.7 * NYQUIST)]
+CUTOUTS = [Cutout(48, PIXEL, 0.0, NYQUIST / 1.2), Cutout(60, PIXEL, 0.1 * NYQUIST, 0.7 * NYQUIST)]
 
 
 def _square(size, seed=1):
@@ -51,7 +51,7 @@ def test_a_transform_leaves_its_square_alone(square_cutout):
 
 
 def test_the_facet_of_an_image_is_sufficient_for_models_that_its_cells_resolve():
-    """<d, m> = sum over x of t(x) I(x) b(x), by the sum over cells (the docstring of ``extraction.exact``)."""
+    """<d, m> = sum over x of I(x) b(x), by the sum over cells (the docstring of ``extraction.exact``)."""
     square_cutout = Cutout(48, PIXEL, 0.0, NYQUIST / 1.2)
     image, model = _square(48), _blob(48, PIXEL, (2.3 * PIXEL, -1.2 * PIXEL))
     x = (np.arange(48) - 24) * PIXEL
@@ -59,8 +59,8 @@ def test_the_facet_of_an_image_is_sufficient_for_models_that_its_cells_resolve()
     along = [np.exp(2j * np.pi * k[:, None] * x) for k in (u, v)]
     of_model = np.einsum("ki,ij,kj->k", along[0], model.astype(float), along[1])
     got = float(np.sum((square_cutout.transform(image) * of_model.conj()).real))
-    along = plane.taper(48)
-    expected = float(np.sum(image.astype(float) * model * np.outer(along, along)))
+    model[0, :] = model[:, 0] = 0
+    expected = float(np.sum(image.astype(float) * model))
     # measured 1e-6; opposite cells counted once: 0.5; those at v = 0 twice, or the origin: 0.02
     assert got == pytest.approx(
         expected, abs=1e-5 * float(np.linalg.norm(image) * np.linalg.norm(model))
@@ -114,8 +114,8 @@ def test_coarse_cells_are_all_those_below_half_the_nyquist_frequency(square_cuto
 def test_recentring_moves_a_source_at_the_offset_to_the_centre(x, y):
     square_cutout = CUTOUTS[0]
     offset = (x * PIXEL, y * PIXEL)
-    there = square_cutout.transform(_blob(96, PIXEL, offset)) * square_cutout.recentring(offset)
-    expected = square_cutout.transform(_blob(96, PIXEL))
+    there = square_cutout.transform(_blob(48, PIXEL, offset)) * square_cutout.recentring(offset)
+    expected = square_cutout.transform(_blob(48, PIXEL))
     # measured 2e-7; the sign wrong: 1
     np.testing.assert_allclose(there, expected, rtol=0, atol=2e-6 * np.abs(expected).max())
 
@@ -132,16 +132,3 @@ def test_sizes_are_multiples_of_four_quick_to_transform_at_both_pixels(width, pi
 
 def test_sources_of_the_same_numbers_share_a_cutout():
     assert cutout(48, PIXEL, 0.0, 1e4) is cutout(48, PIXEL, 0.0, 1e4)
-
-
-def test_power_stays_near_the_baselines():
-    """A wave in the image has its power in its own cell and near it; the edge of a square would spread it further."""
-    square_cutout = Cutout(64, PIXEL, 0.0, NYQUIST)
-    x = (np.arange(64) - 32) * PIXEL
-    k = 10.4 / 64 / PIXEL
-    wave = np.cos(2 * np.pi * k * x)[:, None] * np.ones(64)
-    power = square_cutout.transform(wave.astype(np.float32)).real
-    distance = np.hypot(np.abs(square_cutout.uv[:, 0]) - k, square_cutout.uv[:, 1]) * 64 * PIXEL
-    far = np.abs(power[distance > 16])
-    # measured 0.0098; without a taper 0.0235
-    assert far.max() < 0.012 * np.abs(power).max()

@@ -3,22 +3,16 @@
 import numpy as np
 
 
-def taper(size):
-    """1 up to 0.9 of the half width, then half a period of a cosine from 1 to 0; the centre is pixel size/2."""
-    weights = []
-    for pixel in range(size):
-        x = abs(pixel - size // 2) / (size // 2)
-        weights.append(1.0 if x <= 0.9 else (1 + np.cos(10 * np.pi * (x - 0.9))) / 2)
-    return np.array(weights)
-
-
 def facet(square, pixel, uv, multiplicity):
-    """sum_x t(x) b(x) exp(+2 pi i k.x) / size^2, times how often the cell counts; the centre is pixel size/2."""
+    """sum_x b(x) exp(+2 pi i k.x) / size^2, times how often the cell counts; the centre is pixel size/2.
+
+    Without the first row and column, which have no opposite.
+    """
     size = len(square)
     x = (np.arange(size) - size // 2) * pixel
-    along = taper(size)
-    tapered = np.array(square, float) * np.outer(along, along)
-    sums = [np.exp(2j * np.pi * u * x) @ tapered @ np.exp(2j * np.pi * v * x) for u, v in uv]
+    paired = np.array(square, float)
+    paired[0, :] = paired[:, 0] = 0
+    sums = [np.exp(2j * np.pi * u * x) @ paired @ np.exp(2j * np.pi * v * x) for u, v in uv]
     return np.array(sums) * multiplicity / size**2
 
 

@@ -143,8 +143,7 @@ class MockBeam:
         size = min(cutout_size(self.pixel * LADDER**step, self.pixel), WIDEST)
         reach = min(SMALL / math.exp(log_median - 2 * sigma), self.longest)
         rung = math.floor(math.log(self.longest / reach) / math.log(LADDER) + 1e-9)
-        # Negative power is left out below; without a taper what is left adds up to that of the visibilities.
-        cells = cutout(size, self.pixel, 0.0, self.longest * LADDER**-rung, 1.0)
+        cells = cutout(size, self.pixel, 0.0, self.longest * LADDER**-rung)
         if cells not in self._simulators:
             power = np.maximum(power_of(self.image, cells), 0.0)
             self._simulators[cells] = FacetSimulator(cells, power)
