@@ -129,8 +129,8 @@ def test_what_is_left_is_imaged_and_drawn(
         ("there.fits", "there.fits: exists already; give --overwrite"),
         ("drawn.fits", "drawn.png: exists already; give --overwrite"),
         ("nowhere/left.fits", "does not exist"),
-        ("shapes.fits", "is also an output of -o"),
-        ("shapes.sky.fits", "is also an output of -o"),
+        ("shapes.fits", "would be written twice"),
+        ("shapes.sky.fits", "would be written twice"),
     ],
 )
 def test_an_image_that_cannot_be_written_is_refused_before_measuring(

@@ -191,6 +191,7 @@ def test_outputs_are_apart_from_inputs_and_from_one_another(
     for name in ("field.ms", "holder", "sub"):
         (tmp_path / name).mkdir()
     (tmp_path / "holder/cat.fits").write_text("")
+    (tmp_path / "field.ms/table.dat").write_text("")
     (tmp_path / "link").symlink_to("holder/cat.fits")
     inputs = [tmp_path / "field.ms", tmp_path / "holder/cat.fits", tmp_path / "nowhere"]
     with pytest.raises(InputError, match=message):

@@ -27,7 +27,7 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Table]:
     directory = tmp_path_factory.mktemp("clean")
     (directory / "array.txt").write_text(LAYOUT)
     for words in (
-        "catalogue --field-arcmin 3 --count 3 --flux-ujy 100 300 --seed 3 --ra-deg 60 --declination-deg -30"
+        "catalogue --field-arcmin 3 --count 3 --flux-ujy 50 100 --seed 5 --ra-deg 60 --declination-deg -30"
         " -o {}/cat.ecsv",
         "simulate --layout {}/array.txt --catalogue {}/cat.ecsv --hours 4 --integration-s 600 --band-mhz 950 1190"
         " --channels 4 --snr-at 50 50 --seed 2 --threads 1 -o {}/field.ms",

@@ -107,10 +107,15 @@ def check_apart(outputs: Sequence[Path], inputs: Sequence[Path]) -> None:
             known = source.resolve()
             if path.exists() and path.samefile(source):
                 raise InputError(f"{path}: is an input too; give another name for the output")
-            if known.is_dir() and known in place.parents:
+            if known in place.parents and _is_data(known):
                 raise InputError(f"{path}: is within the input {source}; give another name")
             if path.resolve() in known.parents:
                 raise InputError(f"{path}: contains the input {source}; give another name")
+
+
+def _is_data(directory: Path) -> bool:
+    """Tell whether a directory is a file to its program: a Measurement Set or a store of zarr."""
+    return any((directory / name).is_file() for name in ("table.dat", "zarr.json", ".zgroup"))
 
 
 def _check_parent(path: Path) -> None:
