@@ -143,12 +143,8 @@ class Msv4Store:
                 f"fields {', '.join(names)} have one name, {self.header.field.name}, and one phase centre; they are"
                 " read as one field"
             )
-        if any(partition.lacks_exposure for partition in self.header.partitions):
-            found.append(
-                "EFFECTIVE_INTEGRATION_TIME is 0 although the channels are averages; times are taken to be averages"
-                " over integration_time"
-            )
-        return tuple(found)
+        of_times = [partition.averaging_notice for partition in self.header.partitions]
+        return (*found, *dict.fromkeys(text for text in of_times if text is not None))
 
     def uvw_agrees(self) -> bool | None:
         """Whether UVW, as it is read, is X(antenna 1) - X(antenna 2) by the positions; None if neither sign fits."""

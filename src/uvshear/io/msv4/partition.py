@@ -14,7 +14,7 @@ from uvshear.io.msv4.fields import read_field_names
 from uvshear.io.msv4.opening import Dataset, open_group, zarr_errors
 from uvshear.io.msv4.spectral_setup import SpectralSetup, read_setup
 from uvshear.io.msv4.timeline import Timeline, read_timeline
-from uvshear.io.msv4.variables import check_dimensions
+from uvshear.io.msv4.variables import check_dimensions, quantity
 from uvshear.typing import Array, Int
 
 SCHEMA: Final = "4"
@@ -34,6 +34,25 @@ INTERVAL: Final = "INTEGRATION_TIME"
 
 
 @dataclass(frozen=True)
+class AveragingTimes:
+    """What is known of the times that the visibilities of a partition were averaged over.
+
+    Parameters
+    ----------
+    has_exposure
+        Whether there is a variable EFFECTIVE_INTEGRATION_TIME.
+    is_exposed
+        Whether it has values above 0.
+    is_nominal
+        Whether the nominal length of the integrations is above 0, by integration_time or INTEGRATION_TIME.
+    """
+
+    has_exposure: bool
+    is_exposed: bool
+    is_nominal: bool
+
+
+@dataclass(frozen=True)
 class Partition:
     """A group of visibilities.
 
@@ -49,8 +68,8 @@ class Partition:
         Times with their fields and scans.
     baselines
         Names of the first and of the second antenna of each baseline.
-    is_exposed
-        Whether EFFECTIVE_INTEGRATION_TIME is above 0 anywhere, or not given.
+    times
+        What is known of the times that the visibilities were averaged over.
     """
 
     group: Path
@@ -58,7 +77,7 @@ class Partition:
     setup: SpectralSetup
     timeline: Timeline
     baselines: tuple[tuple[str, ...], tuple[str, ...]]
-    is_exposed: bool
+    times: AveragingTimes
 
     @property
     def fields_group(self) -> Path:
@@ -66,9 +85,21 @@ class Partition:
         return self.group / self.variables.field_and_source
 
     @property
-    def lacks_exposure(self) -> bool:
-        """Whether times of 0 stand for averages, whose nominal length is known."""
-        return not self.is_exposed and self.setup.is_averaged
+    def averaging_notice(self) -> str | None:
+        """What a user should know about the averaging times of the partition."""
+        if not self.setup.is_averaged or self.times.is_exposed:
+            return None
+        if not self.times.is_nominal:
+            return (
+                f"the channels are averages, but neither {EXPOSURE} nor integration_time is above 0; smearing in time"
+                " is not in the model"
+            )
+        if not self.times.has_exposure:
+            return None
+        return (
+            f"{EXPOSURE} is 0 although the channels are averages; times are taken to be averages over"
+            " integration_time"
+        )
 
 
 def read_partition(group: Path, column: str) -> Partition:
@@ -77,15 +108,13 @@ def read_partition(group: Path, column: str) -> Partition:
         _check_version(group, partition)
         variables = choose_data_group(group, partition, column)
         _check_variables(group, partition, variables)
-        is_exposed = _is_exposed(group, partition)
-        setup = read_setup(
-            group, partition, is_sampled=not is_exposed and _is_simulated(partition.attrs)
-        )
+        times = _averaging_times(group, partition)
+        # The widths of channels are always there, but the bands that they were averaged over seldom.
+        is_sampled = times.has_exposure and not times.is_exposed and _is_simulated(partition.attrs)
+        setup = read_setup(group, partition, is_sampled=is_sampled)
         named = read_field_names(group / variables.field_and_source)
         timeline = read_timeline(group, partition, named)
-        return Partition(
-            group, variables, setup, timeline, baseline_names(group, partition), is_exposed
-        )
+        return Partition(group, variables, setup, timeline, baseline_names(group, partition), times)
 
 
 def filled_weights(partition: Partition, steps: Sequence[int]) -> str:
@@ -140,11 +169,15 @@ def _check_variables(place: Path, partition: Dataset, variables: DataGroup) -> N
         raise InputError(f"{place}: has no channels or no correlations; visibilities are needed")
 
 
-def _is_exposed(place: Path, partition: Dataset) -> bool:
-    if EXPOSURE not in partition.variables:
-        return True
+def _averaging_times(place: Path, partition: Dataset) -> AveragingTimes:
     steps = probed(np.arange(partition.sizes["time"]))
-    return not steps or _is_positive(place, partition, EXPOSURE, steps)
+
+    def is_filled(name: str) -> bool:
+        return name in partition.variables and _is_positive(place, partition, name, steps)
+
+    given = quantity(partition["time"].attrs, "integration_time") if "time" in partition else None
+    is_nominal = (given is not None and bool((given > 0).all())) or is_filled(INTERVAL)
+    return AveragingTimes(EXPOSURE in partition.variables, is_filled(EXPOSURE), is_nominal)
 
 
 def _is_positive(place: Path, partition: Dataset, name: str, steps: Sequence[int]) -> bool:

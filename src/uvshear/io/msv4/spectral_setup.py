@@ -57,8 +57,9 @@ def read_setup(place: Path, partition: Dataset, *, is_sampled: bool) -> Spectral
     unit = unit_of(partition["frequency"].attrs)
     if unit not in {"", "Hz"}:
         raise InputError(f"{place}: frequency is in {unit}; Hz is needed")
+    width = _widths(place, partition, len(frequency))
     try:
-        channels = Channels(frequency=frequency, width=_widths(place, partition, len(frequency)))
+        channels = Channels(frequency=frequency, width=width)
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
     correlations = texts(place, partition, "polarization")

@@ -44,6 +44,8 @@ def check_dimensions(
 
 def texts(place: Path, group: Dataset, name: str) -> tuple[str, ...]:
     """Return a coordinate of text without blanks at the ends, whatever type the store gives it."""
+    if name not in group.variables:
+        raise InputError(f"{place}: has no variable {name}; it is needed")
     with zarr_errors(place, name):
         return tuple(str(value).strip() for value in np.ravel(group[name].values).tolist())
 
