@@ -20,6 +20,7 @@ from uvshear.io.msv4.blocks import BlockChoice, read_blocks
 from uvshear.io.msv4.data_groups import choose_data_group
 from uvshear.io.msv4.fields import read_direction
 from uvshear.io.msv4.header import StoreHeader, check_scans, read_header
+from uvshear.io.msv4.missing_parts import missing_parts
 from uvshear.io.msv4.opening import open_group
 from uvshear.io.msv4.partition import WEIGHT_OF_SIGMA, Partition
 from uvshear.io.msv4.sampled_baselines import sample_baselines
@@ -143,6 +144,14 @@ class Msv4Store:
                 f"fields {', '.join(names)} have one name, {self.header.field.name}, and one phase centre; they are"
                 " read as one field"
             )
+        for partition in self.header.partitions:
+            name = partition.variables.visibilities
+            missing, parts = missing_parts(partition.group, name)
+            if missing:
+                found.append(
+                    f"{missing} of the {parts} parts of {partition.group.name}/{name} have no file, as in an incomplete"
+                    " copy; visibilities in them are taken to be 0"
+                )
         of_times = [partition.averaging_notice for partition in self.header.partitions]
         return (*found, *dict.fromkeys(text for text in of_times if text is not None))
 
