@@ -21,13 +21,13 @@ def choice(steps=None):
 def pieces(monkeypatch):
     """The times and baselines of VISIBILITY that are read together."""
     read = []
-    original = uvshear.io.msv4.blocks._Reader._visibilities
+    original = uvshear.io.msv4.blocks._BlockReader._visibilities
 
     def counted(self, name, place, shape):
         read.append((place["time"], place["baseline_id"]))
         return original(self, name, place, shape)
 
-    monkeypatch.setattr(uvshear.io.msv4.blocks._Reader, "_visibilities", counted)
+    monkeypatch.setattr(uvshear.io.msv4.blocks._BlockReader, "_visibilities", counted)
     return read
 
 

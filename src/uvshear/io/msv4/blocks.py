@@ -52,7 +52,7 @@ class BlockChoice:
 def read_blocks(partition: Partition, choice: BlockChoice, memory: int) -> Iterator[CorrelatedRows]:
     """Read the chosen times once, in blocks that take about ``memory`` bytes while they are combined."""
     with open_group(partition.group) as group:
-        reader = _Reader(group, partition, choice)
+        reader = _BlockReader(group, partition, choice)
         rows = rows_per_block(partition, memory)
         for steps, baselines in reader.pieces(rows, HELD * memory):
             found = reader.read(steps, baselines)
@@ -66,7 +66,7 @@ def rows_per_block(partition: Partition, memory: int) -> int:
     return max(1, memory // (BYTES_PER_SAMPLE * samples + BYTES_PER_ROW))
 
 
-class _Reader:
+class _BlockReader:
     """One pass over an open group."""
 
     def __init__(self, group: Dataset, partition: Partition, choice: BlockChoice) -> None:
@@ -198,12 +198,11 @@ class _Reader:
     ) -> Bool[Array, "step baseline"]:
         """Tell where a baseline has no visibility at a time: writers fill all that they do not have with NaN."""
         padding = np.isnan(uvw).all(axis=2)
-        if padding.any() and EXPOSURE in self.group.variables:
-            exposure = self._time_of(EXPOSURE, place, padding.shape)
-            padding &= np.isnan(exposure)
-        return padding
+        exposure = self._time_of(EXPOSURE, place, padding.shape) if padding.any() else None
+        return padding if exposure is None else padding & np.isnan(exposure)
 
 
 def _longest(times: Float[Array, "step baseline chan corr"]) -> Float[Array, "step baseline"]:
     """Return the longest time of each row, whose samples may have several; NaN where there is none."""
-    return np.asarray(np.fmax.reduce(np.fmax.reduce(times, axis=3), axis=2))
+    longest = np.where(np.isnan(times), -np.inf, times).max(axis=(2, 3))
+    return np.where(np.isneginf(longest), np.nan, longest)
