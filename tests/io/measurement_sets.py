@@ -67,6 +67,14 @@ def change(path: Path, column: str, value, rows=None, subtable: str = "") -> Non
         table.putcol(column, values)
 
 
+def with_rows(ms, rows):
+    """A copy of a set that has only some of its rows."""
+    path = ms.with_name("selected.ms")
+    with tables.table(str(ms), ack=False) as main:
+        main.selectrows(np.sort(rows)).copy(str(path), deep=True).close()
+    return path
+
+
 def edited(path: Path, subtable: str = "") -> tables.table:
     """Open a table for changes."""
     return tables.table(str(path / subtable), readonly=False, ack=False)

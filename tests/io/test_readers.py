@@ -52,7 +52,7 @@ def test_a_measurement_set_is_recognised(tmp_path):
 
 @pytest.mark.usefixtures("registered")
 def test_a_registered_reader_is_chosen_by_format(tmp_path, seed):
-    assert READERS.names() == ("measurement-set", "seed")
+    assert READERS.names() == ("measurement-set", "msv4", "seed")
     assert isinstance(reader_of(seed, Reading()), NumberReader)
     assert isinstance(reader_of(written(tmp_path), Reading()), MeasurementSetReader)
 
@@ -68,7 +68,9 @@ def test_a_reading_may_name_its_reader(tmp_path, reader):
 
 
 def test_a_file_of_no_known_format_is_refused_in_one_line(seed):
-    known = "Measurement Set (a directory that holds table.dat)"
+    known = (
+        "Measurement Set (a directory that holds table.dat); MSv4 (a directory in the zarr format)"
+    )
     with pytest.raises(InputError) as caught:
         reader_of(seed, Reading())
     assert str(caught.value) == (

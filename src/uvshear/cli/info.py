@@ -1,4 +1,4 @@
-"""``uvshear info``: a summary of a Measurement Set."""
+"""``uvshear info``: a summary of visibilities."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 import math
@@ -29,7 +29,7 @@ Fact = tuple[str, str]
 FIRST_DATE, LAST_DATE = 15020 * 86400.0, 124593 * 86400.0
 """Beginnings of the years 1900 and 2200 [MJD s]; times outside of them are no dates of observations."""
 
-SHORT = "Summarise a Measurement Set."
+SHORT = "Summarise a Measurement Set or an MSv4 store."
 
 
 def register(app: typer.Typer) -> None:
@@ -39,7 +39,10 @@ def register(app: typer.Typer) -> None:
 
 def info(
     measurement_sets: Annotated[
-        list[Path], typer.Argument(metavar="FIELD.ms...", help="Measurement Sets to summarise.")
+        list[Path],
+        typer.Argument(
+            metavar="FIELD.ms...", help="Measurement Sets, or MSv4 stores (zarr), to summarise."
+        ),
     ],
     column: ColumnOption = "DATA",
     subtract: SubtractOption = None,
@@ -47,7 +50,7 @@ def info(
     scans: ScansOption = None,
     conjugate: ConjugateOption = False,
 ) -> None:
-    """Summarise a Measurement Set.
+    """Summarise a Measurement Set or an MSv4 store.
 
     The summary lists the array, fields, frequencies, flags and baselines, and says whether the weights match the
     noise, as far as this can be told without a catalogue. With --field it covers only that field.

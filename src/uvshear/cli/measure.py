@@ -84,7 +84,8 @@ def measure(
     measurement_sets: Annotated[
         list[Path],
         typer.Argument(
-            metavar="FIELD.ms...", help="Visibilities of one pointing, in one set or more."
+            metavar="FIELD.ms...",
+            help="Visibilities of one pointing, in one or more Measurement Sets or MSv4 stores (zarr).",
         ),
     ],
     catalogue: Annotated[

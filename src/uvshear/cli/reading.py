@@ -1,4 +1,4 @@
-"""Options that select the visibilities of Measurement Sets, for the commands that read them."""
+"""Options that select the visibilities of a file, for the commands that read them."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from typing import TYPE_CHECKING, Annotated
@@ -12,7 +12,12 @@ if TYPE_CHECKING:
     from uvshear.io.reading import Reading
 
 ColumnOption = Annotated[
-    str, typer.Option("--column", rich_help_panel=DATA, help="Column of the visibilities.")
+    str,
+    typer.Option(
+        "--column",
+        rich_help_panel=DATA,
+        help="Column of the visibilities; for MSv4, the column before conversion, the variable or the data group.",
+    ),
 ]
 SubtractOption = Annotated[
     str | None,

@@ -12,6 +12,18 @@ from uvshear.typing import Array, Bool, Complex, Float
 STOKES_I = 1
 """Code of Stokes I itself in a Measurement Set's CORR_TYPE (casacore, Stokes::StokesTypes)."""
 
+CORRELATION_NAMES = {
+    1: "I",
+    5: "RR",
+    6: "RL",
+    7: "LR",
+    8: "LL",
+    9: "XX",
+    10: "XY",
+    11: "YX",
+    12: "YY",
+}
+"""Names of CORR_TYPE codes (casacore, Stokes::StokesTypes)."""
 
 HANDS_COMPARED = 2**14
 """Largest number of samples of a block at which the two hands are compared."""

@@ -34,7 +34,10 @@ from uvshear.plugins import Registry
 READERS = Registry(
     "reader",
     "uvshear.readers",
-    {"measurement-set": "uvshear.io.measurement_set.reader:MeasurementSetReader"},
+    {
+        "measurement-set": "uvshear.io.measurement_set.reader:MeasurementSetReader",
+        "msv4": "uvshear.io.msv4.reader:Msv4Reader",
+    },
     {},
 )
 """Every registered object is a :class:`Reader` or a class of readers that takes no argument."""

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from uvshear.errors import InputError
+from uvshear.interferometer.stokes import CORRELATION_NAMES
 from uvshear.io.inspection import FieldContent, Inspection, Telescope, Window, examine
 from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.descriptions import DataDescription
@@ -15,9 +16,6 @@ from uvshear.io.measurement_set.header import read_fields, visibility_columns
 from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
 from uvshear.io.reading import Reading
-
-CORRELATIONS = {1: "I", 5: "RR", 6: "RL", 7: "LR", 8: "LL", 9: "XX", 10: "XY", 11: "YX", 12: "YY"}
-"""Names of CORR_TYPE codes (casacore, Stokes::StokesTypes)."""
 
 
 def inspect_measurement_set(path: Path, reading: Reading) -> Inspection:
@@ -48,7 +46,7 @@ def _readings(present: Sequence[NamedField], reading: Reading) -> Iterator[Readi
 
 def _window(description: DataDescription) -> Window:
     channels = description.channels
-    words = tuple(CORRELATIONS.get(code, str(code)) for code in description.types)
+    words = tuple(CORRELATION_NAMES.get(code, str(code)) for code in description.types)
     return Window(channels.frequency, channels.width, description.averaged, words)
 
 

@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final, Self
+from typing import Self
 
 import numpy as np
 from casacore import tables
@@ -14,8 +14,14 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.origin import Origin
 from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.spectral_window import Channels
-from uvshear.interferometer.stokes import stokes_i
 from uvshear.interferometer.visibilities import Integrations, Visibilities
+from uvshear.io.correlated_rows import (
+    BYTES_PER_ROW,
+    BYTES_PER_SAMPLE,
+    CorrelatedRows,
+    check_usable,
+    hands_slice,
+)
 from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.averaging_time import averaging_time
 from uvshear.io.measurement_set.descriptions import DataDescription
@@ -29,13 +35,7 @@ from uvshear.io.measurement_set.header import (
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
 from uvshear.io.measurement_set.uvw_sign import uvw_sign_agrees
 from uvshear.io.reading import Reading
-from uvshear.typing import Array, Bool, Complex, Float, Int
-
-BYTES_PER_SAMPLE: Final = 32
-"""Memory that a sample of one correlation takes while it is read and combined."""
-
-BYTES_PER_ROW: Final = 64
-"""Memory that a row takes in addition to its samples: UVW, antennas, identifiers."""
+from uvshear.typing import Array, Complex, Float, Int
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ class MeasurementSet:
                 total += seen.counts
             if len(seen):
                 yield seen
-        _check_usable(Path(self.path), total, self.scans)
+        check_usable(Path(self.path), total, self.scans)
 
     def unchecked_chunks(self) -> Iterator[Visibilities]:
         """Read everything once, including chunks without a cross-correlation and sets without a usable sample."""
@@ -222,35 +222,12 @@ class _Reader:
         weights = self._weights(table, start, shape)
         uvw = self.sign * self._fill(table, "UVW", start, (count, 3), np.dtype(float))
         integrations = self._integrations(table, description, start, count)
-        is_cross = integrations.antennas[:, 0] != integrations.antennas[:, 1]
-        # A slice of the correlations, not an index: a view costs nothing.
-        first, last = min(description.hands), max(description.hands)
-        hands = slice(first, last + 1, max(1, last - first))
-        if is_cross.all():
-            seen = _combine(
-                description,
-                uvw,
-                integrations,
-                correlations[..., hands],
-                weights[..., hands],
-                flags[..., hands],
-            )
-            return replace(seen, longest_baseline=self.header.longest_baseline)
-        seen = _combine(
-            description,
-            uvw[is_cross],
-            integrations.select(is_cross),
-            correlations[is_cross, :, hands],
-            weights[is_cross, :, hands],
-            flags[is_cross, :, hands],
+        hands = hands_slice(description.hands)
+        found = CorrelatedRows(
+            uvw, integrations, correlations[..., hands], weights[..., hands], flags[..., hands]
         )
-        assert seen.counts is not None
-        autocorrelations = count - int(np.count_nonzero(is_cross))
-        return replace(
-            seen,
-            counts=replace(seen.counts, autocorrelations=autocorrelations),
-            longest_baseline=self.header.longest_baseline,
-        )
+        seen = found.combine(description.channels.frequency, description.averaged)
+        return replace(seen, longest_baseline=self.header.longest_baseline)
 
     def _visibilities(
         self, table: tables.table, column: str, start: int, shape: tuple[int, int, int]
@@ -310,52 +287,3 @@ class _Reader:
                 else f"{self.path}: column UVW has a cell of shape {shape}; three coordinates are needed"
             )
         self.checked.add((column, expected))
-
-
-def _combine(
-    description: DataDescription,
-    uvw: Float[Array, "row 3"],
-    integrations: Integrations,
-    correlations: Complex[Array, "row chan corr"],
-    weights: Float[Array, "row chan corr"],
-    flags: Bool[Array, "row chan corr"],
-) -> Visibilities:
-    combined = stokes_i(correlations, weights, flags)
-    usable = int(np.count_nonzero(combined.weights))
-    counts = SampleCounts(
-        rows=len(uvw),
-        samples=combined.weights.size,
-        usable=usable,
-        flagged=combined.weights.size - usable - combined.non_finite - combined.non_positive,
-        non_finite=combined.non_finite,
-        non_positive_weights=combined.non_positive,
-    )
-    return Visibilities(
-        uvw=uvw,
-        frequency=description.channels.frequency,
-        stokes_i=combined.visibilities,
-        weights=combined.weights,
-        width=description.averaged,
-        integrations=integrations,
-        counts=counts,
-        hand_powers=combined.hand_powers,
-    )
-
-
-def _check_usable(path: Path, counts: SampleCounts, scans: tuple[int, ...] | None) -> None:
-    if counts.usable:
-        return
-    if not counts.rows:
-        chosen = (
-            "the field" if scans is None else f"scans {', '.join(map(str, scans))} of the field"
-        )
-        what = "only autocorrelations" if counts.autocorrelations else "no rows"
-        raise InputError(
-            f"{path}: there are {what} in {chosen}; baselines between antennas are needed"
-        )
-    if counts.flagged == counts.samples:
-        raise InputError(f"{path}: all visibilities are flagged; there is nothing to measure")
-    raise InputError(
-        f"{path}: no visibility is usable: of {counts.samples} visibilities, {counts.flagged} are flagged,"
-        f" {counts.non_finite} not finite, {counts.non_positive_weights} without positive weight"
-    )
