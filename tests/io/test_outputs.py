@@ -149,7 +149,7 @@ def test_several_outputs_get_their_names_together_or_not_at_all(tmp_path: Path) 
 
 
 def _write_two(directory: Path, *, overwrite: bool) -> None:
-    with new_outputs(directory) as outputs:
+    with new_outputs(directory / "a") as outputs:
         for name in "ab":
             outputs.new(directory / name, overwrite=overwrite).write_text("new")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from uvshear.io.unfinished import (
-    PREFIX,
+    MARK,
     is_unfinished,
     live_directories,
     release,
@@ -21,7 +21,7 @@ WRITER = """
 import sys, time
 from pathlib import Path
 from uvshear.io.unfinished import unfinished_directory
-with unfinished_directory(Path(sys.argv[1])) as directory:
+with unfinished_directory(Path(sys.argv[1]) / "out") as directory:
     (directory / "part").write_text("half")
     (directory / "field.ms").mkdir()
     (directory / "field.ms" / "table.dat").write_text("half")
@@ -44,7 +44,7 @@ def _end(process: "subprocess.Popen[str]") -> None:
 
 
 def test_a_directory_is_private_and_gone_at_the_end(tmp_path: Path) -> None:
-    with unfinished_directory(tmp_path) as directory:
+    with unfinished_directory(tmp_path / "out.fits") as directory:
         assert directory.parent == tmp_path
         assert directory.stat().st_mode & 0o777 == 0o700
         assert is_unfinished(directory / "a")
@@ -55,10 +55,10 @@ def test_a_directory_is_private_and_gone_at_the_end(tmp_path: Path) -> None:
 def test_names_cannot_be_guessed(tmp_path: Path) -> None:
     names = set()
     for _ in range(20):
-        with unfinished_directory(tmp_path) as directory:
+        with unfinished_directory(tmp_path / "out.fits") as directory:
             names.add(directory.name)
     assert len(names) == 20
-    assert all(len(name) >= len(PREFIX) + 8 for name in names)
+    assert all(len(name) >= len(MARK) + 8 for name in names)
 
 
 def test_the_directory_of_a_living_process_is_left(tmp_path: Path) -> None:
@@ -77,13 +77,13 @@ def test_what_a_killed_process_left_is_removed_by_the_next_output(tmp_path: Path
     process.communicate()
     assert directory.is_dir()
     assert list(live_directories(tmp_path)) == []
-    with unfinished_directory(tmp_path):
+    with unfinished_directory(tmp_path / "out.fits"):
         assert not directory.exists()
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_leftover_whose_removal_was_cut_short_is_removed(tmp_path: Path) -> None:
-    (tmp_path / f"{PREFIX}abcd1234" / "sub").mkdir(parents=True)  # without its lock
+    (tmp_path / f".out{MARK}abcd1234" / "sub").mkdir(parents=True)  # without its lock
     remove_leftovers(tmp_path)
     assert list(tmp_path.iterdir()) == []
 
@@ -92,20 +92,20 @@ def test_a_link_in_place_of_a_directory_or_of_its_lock_is_not_followed(tmp_path:
     precious = tmp_path / "precious"
     precious.mkdir()
     (precious / "data").write_text("data")
-    (tmp_path / f"{PREFIX}link").symlink_to("precious")
-    trap = tmp_path / f"{PREFIX}trap"
+    (tmp_path / f".out{MARK}link").symlink_to("precious")
+    trap = tmp_path / f".out{MARK}trap"
     trap.mkdir()
     (trap / "lock").symlink_to(precious / "data")
     (trap / "field.ms").symlink_to(precious)
     remove_leftovers(tmp_path)
     assert (precious / "data").read_text() == "data"
-    assert (tmp_path / f"{PREFIX}link").is_symlink()
+    assert (tmp_path / f".out{MARK}link").is_symlink()
 
 
 def test_the_directory_of_another_user_is_left(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    theirs = tmp_path / f"{PREFIX}theirs"
+    theirs = tmp_path / f".out{MARK}theirs"
     theirs.mkdir()
     monkeypatch.setattr(os, "geteuid", lambda: os.getuid() + 1)
     remove_leftovers(tmp_path)
@@ -113,7 +113,7 @@ def test_the_directory_of_another_user_is_left(
 
 
 def test_a_released_directory_stays(tmp_path: Path) -> None:
-    with unfinished_directory(tmp_path) as directory:
+    with unfinished_directory(tmp_path / "out.fits") as directory:
         (directory / "whole").write_text("whole")
         release(directory, tmp_path / "kept")
     assert [path.name for path in tmp_path.iterdir()] == ["kept"]

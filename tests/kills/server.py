@@ -20,7 +20,7 @@ from tests.kills.commands import COMMANDS, INPUTS, Command
 from tests.kills.fingerprints import fingerprint, run_of
 from uvshear.cli.application import WRONG_INPUT
 from uvshear.errors import InputError
-from uvshear.io.unfinished import PREFIX
+from uvshear.io.unfinished import MARK
 from uvshear.pipeline.measurement import read_measurement
 
 EVENTS = ("open", "os.", "shutil.", "tempfile.", "ctypes.")
@@ -162,7 +162,7 @@ class Battery:
         following = run(again)
         assert following.status == 0, Path("log").read_text()[-500:]
         assert [fingerprint(path) for path in self.outputs] == self.clean
-        hidden = [path.name for path in Path().iterdir() if path.name.startswith(PREFIX)]
+        hidden = [path.name for path in Path().iterdir() if MARK in path.name]
         assert not hidden, hidden
 
     def remove(self) -> None:

@@ -101,7 +101,7 @@ def calibration(record: object) -> object:
 
 def killed(files: Files) -> None:
     """What a killed run leaves."""
-    left = files.directory / ".uvshear-unfinished-abcdefgh"
+    left = files.directory / ".out.fits.uvshear-unfinished-abcdefgh"
     left.mkdir()
     (left / "out.fits").write_text("half")
 

@@ -190,6 +190,12 @@ def no_exposure(files: Files) -> None:
     change(files.field, "EXPOSURE", 0.0)
 
 
+def no_times(files: Files) -> None:
+    """Rows without a time."""
+    for column in ("TIME", "TIME_CENTROID"):
+        change(files.field, column, np.nan, slice(7, 9))
+
+
 def zero_baselines(files: Files) -> None:
     """Rows at the end of which only the times were filled."""
     with edited(files.field) as main:
@@ -360,7 +366,8 @@ _OF_THE_SET = (
     ("an empty POSITION", cells("ANTENNA", "POSITION", np.zeros(0)), SAME),
     ("EXPOSURE 0 beside INTERVAL", no_exposure, SAME),
     ("an infinite EXPOSURE", values("EXPOSURE", np.inf, rows=slice(7, 9)), noted("left out", 0.3)),
-    ("a TIME that is NaN", values("TIME", np.nan, rows=slice(7, 9)), noted("left out", 0.3)),
+    ("a TIME that is NaN", values("TIME", np.nan, rows=slice(7, 9)), SAME),
+    ("neither TIME nor TIME_CENTROID", no_times, noted("left out", 0.3)),
     ("rows with UVW = 0", zero_baselines, noted("left out|UVW", 1e-3)),
     ("one UVW of 1e20 m", values("UVW", 1e20, rows=slice(7, 8)), noted("left out", 0.3)),
     ("rows in any order", shuffled, ROUNDED),

@@ -55,9 +55,9 @@ class NewOutputs:
 
 
 @contextmanager
-def new_outputs(parent: Path) -> Iterator[NewOutputs]:
-    """Yield a collection of new outputs in a directory, which get their names if the block ends without an error."""
-    with unfinished_directory(parent) as directory:
+def new_outputs(beside: Path) -> Iterator[NewOutputs]:
+    """Yield new outputs beside one of them, which get their names if the block ends without an error."""
+    with unfinished_directory(beside) as directory:
         outputs = NewOutputs(directory)
         yield outputs
         outputs.place()
@@ -71,7 +71,7 @@ def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
         return
     check_file(path, overwrite=overwrite)
     try:
-        with new_outputs(path.parent) as outputs:
+        with new_outputs(path) as outputs:
             yield outputs.new(path, overwrite=overwrite)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error

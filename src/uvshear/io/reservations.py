@@ -59,7 +59,7 @@ def _announced(parent: Path, names: set[str]) -> Iterator[None]:
                         f"{parent / taken[0]}: another process is at work on it; wait until that process has ended, or"
                         " give another name"
                     )
-            directory = stack.enter_context(unfinished_directory(parent))
+            directory = stack.enter_context(unfinished_directory(parent / min(names)))
             (directory / _NAMES).write_text(json.dumps(sorted(names)), encoding="utf-8")
         yield
 

@@ -15,8 +15,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-PREFIX: Final = ".uvshear-unfinished-"
-"""Beginning of the names of private directories."""
+MARK: Final = ".uvshear-unfinished-"
+"""Part of the names of private directories, after a dot and the name of an output."""
+
+_LONGEST: Final = 100
+"""Number of letters of an output's name that a private directory has in its own."""
 
 _LOCK: Final = "lock"
 
@@ -28,13 +31,13 @@ _owned: dict[Path, int | None] = {}
 
 
 @contextmanager
-def unfinished_directory(parent: Path) -> Iterator[Path]:
-    """Yield a new private directory in ``parent``, which does not outlive the block or the process.
+def unfinished_directory(output: Path) -> Iterator[Path]:
+    """Yield a new private directory beside an output, which does not outlive the block or the process.
 
-    Directories that killed processes left in ``parent`` are removed.
+    Directories that killed processes left there are removed.
     """
-    remove_leftovers(parent)
-    directory = _new(parent.resolve())
+    remove_leftovers(output.parent)
+    directory = _new(output)
     try:
         yield directory
     finally:
@@ -92,16 +95,21 @@ def _found(parent: Path) -> list[Path]:
     found = []
     with suppress(OSError), os.scandir(parent.resolve()) as entries:
         for entry in entries:
-            if entry.name.startswith(PREFIX) and entry.is_dir(follow_symlinks=False):
+            if (
+                entry.name.startswith(".")
+                and MARK in entry.name
+                and entry.is_dir(follow_symlinks=False)
+            ):
                 with suppress(OSError):
                     if entry.stat(follow_symlinks=False).st_uid == os.geteuid():
                         found.append(Path(entry.path))
     return found
 
 
-def _new(parent: Path) -> Path:
+def _new(output: Path) -> Path:
+    prefix = f".{output.name[:_LONGEST]}{MARK}"
     while True:
-        directory = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))
+        directory = Path(tempfile.mkdtemp(prefix=prefix, dir=output.parent.resolve()))
         try:
             lock = _locked(directory)
         except FileNotFoundError:

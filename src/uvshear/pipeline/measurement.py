@@ -112,7 +112,7 @@ class Measurement:
         # A companion without its table was left by a table that is gone.
         replaces = overwrite or not target.exists()
         try:
-            with new_outputs(target.parent) as outputs:
+            with new_outputs(target) as outputs:
                 if self.statistics is not None:
                     write_statistics(
                         outputs.new(statistics, overwrite=replaces), self.statistics, made

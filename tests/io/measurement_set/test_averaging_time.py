@@ -30,6 +30,14 @@ def test_an_exposure_of_zero_beside_averaged_channels_was_not_filled(tmp_path):
     assert _intervals(path)[0] == [40.0, 60.0]
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, -1.0])
+def test_an_exposure_that_is_none_is_an_interval_where_samples_are_averages(tmp_path, value):
+    path = written(tmp_path, is_averaged=True)
+    change(path, "EXPOSURE", 40.0)
+    change(path, "EXPOSURE", value, rows=slice(3, 5))
+    assert _intervals(path)[0] == [40.0, 60.0]
+
+
 def test_samples_that_are_no_averages_have_no_exposure(tmp_path):
     assert _intervals(written(tmp_path)) == ([0.0], ())
 

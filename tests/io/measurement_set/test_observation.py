@@ -421,6 +421,17 @@ def test_a_set_tells_its_dishes_and_where_they_pointed(tmp_path):
     assert data.pointing_direction() == PHASE_CENTRE
 
 
+def test_a_time_that_is_none_is_that_of_the_centroid(tmp_path):
+    path = written(tmp_path)
+    expected = np.concatenate([seen.integrations.time for seen in MeasurementSet(path).chunks()])
+    change(path, "TIME", np.nan, rows=slice(3, 5))
+    found = np.concatenate([seen.integrations.time for seen in MeasurementSet(path).chunks()])
+    np.testing.assert_array_equal(found, expected)
+    change(path, "TIME_CENTROID", np.inf, rows=slice(4, 5))
+    seen = next(iter(MeasurementSet(path).chunks()))
+    assert np.flatnonzero(~np.isfinite(seen.integrations.time)).tolist() == [4]
+
+
 def test_a_good_set_has_no_notices(tmp_path):
     data = MeasurementSet(written(tmp_path))
     assert data.notices() == ()

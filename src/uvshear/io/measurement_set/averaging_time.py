@@ -25,14 +25,15 @@ def averaging_time(
         Rows to read.
     is_averaged
         Whether the channels of these rows are averages. Their times are averages then as well, and an EXPOSURE of 0 is
-        one that was not filled, for which INTERVAL is taken.
+        one that was not filled, for which INTERVAL is taken, as it is for one that is no number or negative.
     """
     columns = [name for name in ("EXPOSURE", "INTERVAL") if name in main.colnames()]
     if not columns:
         return np.zeros(count)
     time = _read(path, main, columns[0], start, count)
-    if is_averaged and len(columns) > 1 and np.any(time == 0):
-        return np.where(time == 0, _read(path, main, columns[1], start, count), time)
+    is_lacking = ~(np.isfinite(time) & (time > 0))
+    if is_averaged and len(columns) > 1 and np.any(is_lacking):
+        return np.where(is_lacking, _read(path, main, columns[1], start, count), time)
     return time
 
 

@@ -240,6 +240,9 @@ class _Reader:
     ) -> Integrations:
         antennas = [table.getcol(f"ANTENNA{end}", start, count) for end in (1, 2)]
         time = np.asarray(table.getcol("TIME", start, count), float)
+        if not np.isfinite(time).all() and "TIME_CENTROID" in table.colnames():
+            centroid = np.asarray(table.getcol("TIME_CENTROID", start, count), float)
+            time = np.where(np.isfinite(time), time, centroid)
         interval = averaging_time(
             self.path, table, start, count, is_averaged=description.is_averaged
         )

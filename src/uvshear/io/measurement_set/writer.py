@@ -113,7 +113,7 @@ def check_measurement_set_output(target: Path, *, overwrite: bool) -> None:
 @contextmanager
 def _written_whole(target: Path, *, overwrite: bool) -> Iterator[Path]:
     """Yield a temporary path, which gets the name of the target at the end, or is removed after an error."""
-    with new_outputs(target.parent) as outputs:
+    with new_outputs(target) as outputs:
         yield outputs.new(target, overwrite=overwrite)
 
 
