@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from dataclasses import field as default
 from pathlib import Path
 from typing import Final
 
@@ -10,7 +11,9 @@ from casacore import tables
 
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.io.measurement_set.array_size import longest_baseline
+from uvshear.io.measurement_set.array_size import ArraySize, array_size
+from uvshear.io.measurement_set.averaging_time import rows_beyond_interval
+from uvshear.io.measurement_set.column_types import check_types
 from uvshear.io.measurement_set.descriptions import DataDescription, read_descriptions
 from uvshear.io.measurement_set.fields import NamedField, choose_field, fields_with_rows
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
@@ -40,8 +43,10 @@ class Header:
         WEIGHT_SPECTRUM, WEIGHT or SIGMA: the first that is filled.
     lacks_exposure
         Whether EXPOSURE is 0 although the channels are averages.
-    longest_baseline
-        Length that no baseline of the array exceeds [m]; None where the positions of its antennas are not known.
+    beyond_interval
+        Number of rows whose EXPOSURE is longer than INTERVAL.
+    size
+        The array by the positions of its antennas.
     """
 
     rows: int
@@ -50,7 +55,8 @@ class Header:
     descriptions: tuple[DataDescription, ...]
     weight_column: str
     lacks_exposure: bool
-    longest_baseline: float | None = None
+    beyond_interval: int = 0
+    size: ArraySize = default(default_factory=ArraySize)
 
     @property
     def phase_centre(self) -> PhaseCentre:
@@ -98,7 +104,8 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
                 descriptions=descriptions,
                 weight_column=_weight_column(path, main, column),
                 lacks_exposure=_lacks_exposure(main, descriptions),
-                longest_baseline=longest_baseline(path, main),
+                beyond_interval=rows_beyond_interval(main),
+                size=array_size(path, main),
             )
 
 
@@ -180,6 +187,7 @@ def _check_columns(path: Path, main: tables.table, column: str) -> None:
         raise InputError(
             f"{path}: has no column {', '.join(missing)}, which every Measurement Set must have; this one is damaged"
         )
+    check_types(path, main)
 
 
 def visibility_columns(main: tables.table) -> tuple[str, ...]:

@@ -9,15 +9,12 @@ import numpy as np
 from uvshear.errors import InputError
 from uvshear.io.inspection import FieldContent, Inspection, Telescope, Window, examine
 from uvshear.io.measurement_set.antennas import read_antennas
-from uvshear.io.measurement_set.descriptions import DataDescription
+from uvshear.io.measurement_set.descriptions import CORRELATIONS, DataDescription
 from uvshear.io.measurement_set.fields import NamedField
 from uvshear.io.measurement_set.header import read_fields, visibility_columns
 from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
 from uvshear.io.reading import Reading
-
-CORRELATIONS = {1: "I", 5: "RR", 6: "RL", 7: "LR", 8: "LL", 9: "XX", 10: "XY", 11: "YX", 12: "YY"}
-"""Names of CORR_TYPE codes (casacore, Stokes::StokesTypes)."""
 
 
 def inspect_measurement_set(path: Path, reading: Reading) -> Inspection:

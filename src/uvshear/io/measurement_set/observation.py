@@ -159,6 +159,19 @@ class MeasurementSet:
             found.append(
                 "EXPOSURE is 0 although the channels are averages; times are taken to be averages over INTERVAL"
             )
+        if rows := self.header.beyond_interval:
+            found.append(
+                f"EXPOSURE is longer than INTERVAL in {rows} rows; they are taken to be averages over EXPOSURE"
+            )
+        if (ratio := self.header.size.wrong_ratio) is not None:
+            found.append(
+                f"UVW and the positions of the antennas disagree: the length of UVW is {ratio:.3g} times the distance"
+                " of the antennas (median)"
+            )
+        for description in self.header.descriptions:
+            found += [
+                f"DATA_DESC_ID {description.identifier}: {fact}" for fact in description.oddities
+            ]
         return tuple(found)
 
     def uvw_agrees(self) -> bool | None:
@@ -237,7 +250,7 @@ class _Reader:
                 weights[..., hands],
                 flags[..., hands],
             )
-            return replace(seen, longest_baseline=self.header.longest_baseline)
+            return replace(seen, longest_baseline=self.header.size.longest_baseline)
         seen = _combine(
             description,
             uvw[is_cross],
@@ -251,7 +264,7 @@ class _Reader:
         return replace(
             seen,
             counts=replace(seen.counts, autocorrelations=autocorrelations),
-            longest_baseline=self.header.longest_baseline,
+            longest_baseline=self.header.size.longest_baseline,
         )
 
     def _visibilities(
