@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 PACKAGE := $(VENV)/.package
 TOOLS := $(VENV)/.tools
 
-.PHONY: install demo test test-fast lint types referees test-referees test-long chain clean
+.PHONY: install demo test test-fast lint types referees test-referees test-fuzz test-long chain clean
 
 install: $(PACKAGE) $(TOOLS)
 
@@ -33,11 +33,15 @@ types: install
 	$(BIN)/mypy
 
 test: lint types
-	$(BIN)/pytest -n auto -m "not referee"
+	$(BIN)/pytest -n auto -m "not referee and not long and not fuzz"
 
 # Less than a minute: neither the slow tests nor those that need other programs.
 test-fast: install
-	$(BIN)/pytest -n auto -m "not slow and not referee"
+	$(BIN)/pytest -n auto -m "not slow and not referee and not long and not fuzz"
+
+# Five thousand mutated inputs: an hour of one core.
+test-fuzz: install
+	$(BIN)/pytest -n auto -m fuzz
 
 # The only target that installs Debian packages (wsclean), and it needs root for that.
 referees: install
@@ -46,11 +50,11 @@ referees: install
 
 # The tests of a group use the same files, which are made once.
 test-referees: referees
-	$(BIN)/pytest -n auto --dist loadgroup -m "referee and not long"
+	$(BIN)/pytest -n auto --dist loadgroup -m "referee and not long and not fuzz"
 
 # Several minutes each.
 test-long: referees
-	$(BIN)/pytest -m long
+	$(BIN)/pytest -n auto -m long
 
 # simulate, wsclean, PyBDSF, measure, shear: the shapes from a source finder's catalogue beside those from the true one.
 chain: referees

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.io.measurement_sets import change, written
@@ -45,3 +46,19 @@ def test_scans_are_numbers_and_ranges() -> None:
     for wrong in ("8-5", "3-", "-3", "three", ""):
         with pytest.raises(InputError, match="numbers and ranges"):
             scans_of(wrong)
+
+
+def test_times_that_no_calendar_has_are_shown_as_they_are(
+    uvshear: Callable, tmp_path: Path
+) -> None:
+    path = written(tmp_path)
+    assert "2000-01-01T" in uvshear("info", path).out
+    for value, words in ((1e30, "MJD 1.15741e+25 to MJD 1.15741e+25"), (-1e9, "MJD -11574")):
+        change(path, "TIME", value)
+        outcome = uvshear("info", path)
+        assert outcome.status == 0
+        assert words in outcome.out
+    change(path, "TIME", np.nan)
+    outcome = uvshear("info", path)
+    assert outcome.status == 0
+    assert "have a time or integration time that is negative, NaN, infinite" in outcome.err

@@ -38,5 +38,14 @@ def test_rows_of_unknown_integrations_have_baselines_only():
     assert ranges.baseline[1] > 0
 
 
+def test_times_that_cannot_be_right_do_not_count():
+    block = chunk(1)
+    expected = _ranges(block)
+    wrong = np.where(np.arange(len(block)) == 3, np.nan, block.integrations.time)
+    assert _ranges(replace(block, integrations=replace(block.integrations, time=wrong))) == expected
+    none = replace(block.integrations, time=np.full(len(block), np.nan))
+    assert _ranges(replace(block, integrations=none)).time == NOTHING
+
+
 def test_there_may_be_nothing():
     assert _ranges().time == NOTHING

@@ -58,6 +58,7 @@ def test_good_samples_stay_as_they_are():
         ("time", np.inf, "impossible_times"),
         ("interval", np.nan, "impossible_times"),
         ("interval", -1.0, "impossible_times"),
+        ("interval", 86401.0, "impossible_times"),
         ("stokes_i", 1e30, "impossible_amplitudes"),
         ("stokes_i", 1e-4 * 1.1e8, "impossible_amplitudes"),
         ("stokes_i", np.nan, "non_finite"),

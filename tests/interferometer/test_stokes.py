@@ -39,6 +39,12 @@ def test_crossed_hands_alone_are_an_error():
         parallel_hands([10, 11])
 
 
+@pytest.mark.parametrize("types", [[2, 10, 11, 12], [9, 10, 11, 9], [5, 12], [0, 9], [1, 9, 12]])
+def test_types_that_contradict_one_another_are_an_error(types):
+    with pytest.raises(InputError, match="cannot be those of one observation"):
+        parallel_hands(types)
+
+
 def test_stokes_i_is_the_mean_of_the_hands():
     combined = _hands(1 + 2j, 3 - 4j)
     assert combined.visibilities[0, 0] == 2 - 1j

@@ -147,3 +147,20 @@ def test_identifiers_are_compared_as_text(tmp_path: Path) -> None:
     path = _written(tmp_path / "s.stats.fits", statistics_table(shapes, [Moments()], {}))
     padded = Table({"id": ["1 ", "2 ", "30"]})
     assert len(read_statistics(path, tmp_path / "s.fits", padded)) == 3
+
+
+@pytest.mark.parametrize(
+    ("identifier", "message"),
+    [
+        (np.array([b"a", b"\xff\xfe", b"c"]), "column 'id': has letters beyond ASCII"),
+        (np.ones((3, 2)), "column 'id' holds arrays; one identifier for each row is needed"),
+        (np.full((3, 2), "a"), "column 'id': holds no words"),
+    ],
+)
+def test_identifiers_that_are_none_are_refused_with_the_name_of_the_file(
+    tmp_path: Path, identifier: np.ndarray, message: str
+) -> None:
+    statistics = Table({"id": identifier, "m1": np.zeros(3)})
+    statistics.write(tmp_path / "s.stats.fits")
+    with pytest.raises(InputError, match=rf"s\.stats\.fits: {message}"):
+        read_statistics(tmp_path / "s.stats.fits", tmp_path / "s.fits", SHAPES)

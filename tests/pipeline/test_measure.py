@@ -29,6 +29,7 @@ from uvshear.galaxy import DiscEllipticityPrior
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.io.shapes import COLUMNS
+from uvshear.pipeline.data_checks import DataChecks
 from uvshear.pipeline.measure import measure
 from uvshear.pipeline.shear import estimate_shear
 from uvshear.predict import predict_visibilities
@@ -298,6 +299,27 @@ def test_warnings_about_the_data_come_before_the_work(field, monkeypatch, extrac
     assert [warning.category for warning in told] == [DataWarning] * 2
     assert "1 of 4212 visibilities are NaN or infinite" in str(told[0].message)
     assert "if UVW is taken with the opposite sign" in str(told[1].message)
+
+
+def test_a_check_of_the_data_that_fails_is_told_and_changes_nothing(field, shapes, monkeypatch):
+    def fail(*_args):
+        raise ZeroDivisionError("one\nand two")
+
+    checked = {
+        "weight_warnings": "the weights",
+        "sign_warnings": "the sign of UVW",
+        "flux_warnings": "the unit of the catalogue's fluxes",
+        "noise_warnings": "the noise",
+    }
+    for name in checked:
+        monkeypatch.setattr(DataChecks, name, fail)
+    with pytest.warns(DataWarning) as told:
+        found = measured(field.observation, field.catalogue).shapes
+    assert [str(warning.message).partition(";")[0] for warning in told] == [
+        f"{what} could not be checked (ZeroDivisionError: one and two)" for what in checked.values()
+    ]
+    for name in shapes.colnames:
+        np.testing.assert_array_equal(found[name], shapes[name])
 
 
 class Untouchable:

@@ -1,9 +1,11 @@
-"""The longest baseline that an array can have, by the positions of its antennas."""
+"""Baselines and the distances of the antennas: the longest baseline that an array can have."""
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
+from uvshear.interferometer.layout import EARTH_RADIUS_RANGE
 from uvshear.interferometer.primary_beam import LARGEST_DISH
 from uvshear.interferometer.screening import LONGEST_BASELINE
 from uvshear.typing import Array, Float, Int
@@ -16,16 +18,41 @@ TOLERANCE: Final = 0.01
 aberration and averaging make less than 1e-3."""
 
 
+@dataclass(frozen=True)
+class ArrayExtent:
+    """The extent of an array by the positions of its antennas.
+
+    Parameters
+    ----------
+    longest_baseline
+        Length that no baseline exceeds [m]: that of the array, and one per cent, and one dish. None unless most of the
+        compared rows have a UVW as long as the distance of their antennas.
+    wrong_ratio
+        Median of the lengths of UVW over these distances, if the antennas stand on the Earth and most rows disagree
+        with them; None otherwise. Positions that are missing or refer to another frame tell nothing.
+    """
+
+    longest_baseline: float | None = None
+    wrong_ratio: float | None = None
+
+    @property
+    def notice(self) -> str | None:
+        """What a user should know about a UVW that does not fit the antennas; None if it fits."""
+        if self.wrong_ratio is None:
+            return None
+        return (
+            f"UVW and the positions of the antennas disagree: the length of UVW is {self.wrong_ratio:.3g} times the"
+            " distance of the antennas (median)"
+        )
+
+
 def array_extent(
     positions: Float[Array, "antenna 3"],
     diameters: Float[Array, " antenna"],
     antennas: Int[Array, "row 2"],
     uvw: Float[Array, "row 3"],
-) -> float | None:
-    """Return a length that no baseline exceeds [m]: that of the array, and one per cent, and one dish.
-
-    The result is None unless most of the compared rows have a UVW as long as the distance of their antennas: positions
-    may be missing, or refer to another frame.
+) -> ArrayExtent:
+    """Compare UVW with the positions of the antennas, in some rows.
 
     Parameters
     ----------
@@ -39,17 +66,33 @@ def array_extent(
         Baselines of the compared rows [m].
     """
     if len(positions) < 2:
-        return None
+        return ArrayExtent()
+    ratio = _length_over_distance(positions, antennas, uvw)
+    agrees = np.abs(ratio - 1) < TOLERANCE
+    if np.count_nonzero(agrees) <= len(agrees) / 2:
+        is_told = len(ratio) > 0 and _stand_on_earth(positions)
+        return ArrayExtent(wrong_ratio=float(np.median(ratio)) if is_told else None)
+    real = (np.abs(positions) < LONGEST_BASELINE).all(axis=1)
+    placed = positions[real & positions.any(axis=1)]
+    extent = max(float(np.linalg.norm(placed - place, axis=1).max()) for place in placed)
+    dish = float(np.max(diameters, initial=0.0, where=diameters < LARGEST_DISH))
+    return ArrayExtent(longest_baseline=(1 + TOLERANCE) * extent + dish)
+
+
+def _length_over_distance(
+    positions: Float[Array, "antenna 3"], antennas: Int[Array, "row 2"], uvw: Float[Array, "row 3"]
+) -> Float[Array, " known"]:
+    """Return the length of UVW over the distance of the antennas, for rows of two antennas whose distance is known."""
     first, second = antennas[:, 0], antennas[:, 1]
     known = (antennas.min(axis=1) >= 0) & (antennas.max(axis=1) < len(positions))
     with np.errstate(all="ignore"):
         apart = np.linalg.norm(positions[first[known]] - positions[second[known]], axis=1)
         ratio = np.linalg.norm(uvw[known], axis=1)[apart > 0] / apart[apart > 0]
-        agrees = np.abs(ratio - 1) < TOLERANCE
-    if np.count_nonzero(agrees) <= len(agrees) / 2:
-        return None
-    real = (np.abs(positions) < LONGEST_BASELINE).all(axis=1)
-    placed = positions[real & positions.any(axis=1)]
-    extent = max(float(np.linalg.norm(placed - place, axis=1).max()) for place in placed)
-    dish = float(np.max(diameters, initial=0.0, where=diameters < LARGEST_DISH))
-    return (1 + TOLERANCE) * extent + dish
+    return ratio[np.isfinite(ratio)]
+
+
+def _stand_on_earth(positions: Float[Array, "antenna 3"]) -> bool:
+    with np.errstate(all="ignore"):
+        radius = np.linalg.norm(positions, axis=1)
+    low, high = EARTH_RADIUS_RANGE
+    return bool(np.all((radius > low) & (radius < high)))

@@ -46,7 +46,7 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
             ),
             (
                 counts.impossible_times,
-                "have a time or integration time that is negative, NaN or infinite",
+                "have a time or integration time that is negative, NaN, infinite or longer than a day",
             ),
             (
                 counts.impossible_channels,

@@ -27,7 +27,7 @@ class SampleCounts:
     impossible_uvw
         Samples with weight whose UVW is not finite, zero, or longer than any baseline of the array.
     impossible_times
-        Other samples with weight whose time or integration is negative or not finite.
+        Other samples with weight whose time is not finite, or whose integration is negative or longer than a day.
     impossible_channels
         Other samples with weight whose frequency or channel width cannot be that of a radio telescope.
     impossible_weights

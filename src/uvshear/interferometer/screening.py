@@ -15,6 +15,9 @@ LONGEST_BASELINE: Final = 1e9
 """Length beyond which a baseline cannot be real, if that of the array is not known [m]: more than twice the distance of
 the Moon."""
 
+LONGEST_INTEGRATION: Final = 86400.0
+"""Time that no visibility is averaged over [s]: within a day every baseline turns once."""
+
 LARGEST_SNR: Final = 1e8
 """Signal-to-noise ratio beyond which a single visibility cannot be real. Squares of larger ones overflow in single
 precision."""
@@ -34,9 +37,9 @@ def screened(seen: Visibilities) -> Visibilities:
     """Return the samples with a weight of 0 where they cannot be right, and with the numbers of these by reason.
 
     Rows are left out whose UVW is not finite, zero (as writers store it for missing antennas) or longer than the array,
-    or whose time or integration is negative or not finite. Channels are left out whose frequency or width cannot be
-    that of a radio telescope. Samples are left out that are not finite, or impossibly large, or whose weight dwarfs all
-    others.
+    or whose time is not finite, or whose integration is negative or longer than a day. Channels are left out whose
+    frequency or width cannot be that of a radio telescope. Samples are left out that are not finite, or impossibly
+    large, or whose weight dwarfs all others.
     """
     if seen.is_screened:
         return seen
@@ -119,7 +122,8 @@ def _wrong_times(seen: Visibilities) -> Bool[Array, " row"]:
     taken = seen.integrations
     if taken is None:
         return np.zeros(len(seen), bool)
-    return ~(np.isfinite(taken.time) & np.isfinite(taken.interval) & (taken.interval >= 0))
+    is_possible = (taken.interval >= 0) & (taken.interval <= LONGEST_INTEGRATION)
+    return ~(np.isfinite(taken.time) & is_possible)
 
 
 def _without_wrong_times(seen: Visibilities, wrong: Bool[Array, " row"]) -> Integrations | None:

@@ -25,6 +25,9 @@ CORRELATION_NAMES = {
 }
 """Names of CORR_TYPE codes (casacore, Stokes::StokesTypes)."""
 
+CODES_OF_A_KIND = 4
+"""Number of codes of each kind: 1 to 4 are the Stokes parameters, 5 to 8 those of circular feeds, and so on."""
+
 HANDS_COMPARED = 2**14
 """Largest number of samples of a block at which the two hands are compared."""
 
@@ -67,8 +70,21 @@ class StokesI:
 
 
 def parallel_hands(correlation_types: Sequence[int]) -> tuple[int, ...]:
-    """Find the correlations that make Stokes I: Stokes I itself, two parallel hands, or one of them."""
+    """Find the correlations that make Stokes I: Stokes I itself, two parallel hands, or one of them.
+
+    Raises
+    ------
+    InputError
+        There is none of these, or the types contradict one another: one occurs twice, or they are of several kinds of
+        feeds.
+    """
     types = list(correlation_types)
+    kinds = {(code - 1) // CODES_OF_A_KIND for code in types}
+    if len(kinds) > 1 or len(set(types)) < len(types):
+        raise InputError(
+            f"correlation types {types} cannot be those of one observation; different ones of one kind are needed:"
+            " Stokes parameters (1 to 4), or correlations of circular (5 to 8) or of linear feeds (9 to 12)"
+        )
     if STOKES_I in types:
         return (types.index(STOKES_I),)
     for hands in Hands:

@@ -9,6 +9,7 @@ from astropy.table import Column, Table
 
 from uvshear.errors import InputError
 from uvshear.io.run_identity import companion, run_of
+from uvshear.io.shape_checks import as_words
 from uvshear.io.tables import read_table, write_table
 from uvshear.shapes.source_facet import Kept, Statistic
 from uvshear.shapes.statistic_flag import StatisticFlag, flag_column
@@ -109,7 +110,8 @@ def read_statistics(path: Path, shapes_path: Path, shapes: Table) -> Table:
             f"{path}: belongs to another measurement than {shapes_path} (their entries RUN are {runs[0]} and"
             f" {runs[1]}); measure again"
         )
-    table = table[_rows(_identifiers(table), _identifiers(shapes), path, shapes_path)]
+    known, wanted = _identifiers(table, path), _identifiers(shapes, shapes_path)
+    table = table[_rows(known, wanted, path, shapes_path)]
     # FITS has keys in capitals.
     table.meta = {str(name).lower(): value for name, value in table.meta.items()}
     return table
@@ -131,5 +133,11 @@ def _rows(known: Array, wanted: Array, path: Path, shapes_path: Path) -> Int[Arr
     return rows
 
 
-def _identifiers(table: Table) -> Array:
-    return np.char.strip(table["id"].astype(str))
+def _identifiers(table: Table, name: Path) -> Array:
+    """Return identifiers as text: FITS fills text with blanks, and numbers may be text in another format."""
+    column = table["id"]
+    if column.dtype.kind in "SUO":
+        return as_words(column, f"{name}: column 'id'")
+    if column.ndim != 1:
+        raise InputError(f"{name}: column 'id' holds arrays; one identifier for each row is needed")
+    return np.ma.filled(np.ma.asarray(column).astype(str), "")

@@ -1,7 +1,7 @@
-"""Checks of the data against a sky: the sign of UVW, the unit of fluxes, and the noise, which may correct weights.
+"""Checks of the data against a sky: the sign of UVW, the unit of fluxes, outliers, and the noise.
 
-They work on the few thousand visibilities of each part that the first pass has drawn, so that they cost one prediction
-of these visibilities and no further reading.
+The noise may correct the weights. The checks work on the few thousand visibilities of each part that the first pass has
+drawn, so that each costs one prediction of these visibilities and no further reading.
 """
 
 from collections.abc import Iterator, Sequence
@@ -21,6 +21,7 @@ from uvshear.interferometer.noise_estimate import CLEAR, NoiseEstimate, estimate
 from uvshear.interferometer.noise_sample import NoiseSample
 from uvshear.interferometer.noise_warning import noise_warning
 from uvshear.interferometer.origin import origin_of, parts_of
+from uvshear.interferometer.outliers import outlier_warning, weight_warning
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.scaled_observation import ScaledObservation
 from uvshear.interferometer.uv_range import UvRange
@@ -103,23 +104,39 @@ class DataChecks:
                 )
         return tuple(found)
 
+    def weight_warnings(self) -> tuple[str, ...]:
+        """Return one line for each part in which the weights of a few visibilities exceed those of all others."""
+        lines = (
+            weight_warning(origin_of(part).name, sample.here.weights)
+            for part, sample in zip(parts_of(self.observation), self.samples, strict=True)
+            if sample is not None and origin_of(part).weights_tell_noise
+        )
+        return tuple(line for line in lines if line is not None)
+
     def noise_warnings(self, sky: Galaxies, uv_range: UvRange) -> tuple[str, ...]:
         """Return one line for each part whose weights do not agree with its noise, judging by the residual of a sky.
 
-        Weights that were scaled to the noise of the data or changed by another weighting are not compared.
+        Where they agree, the line is about a few visibilities that are too far from the sky for noise, if there are
+        any. Weights that were scaled to the noise of the data or changed by another weighting are not compared.
 
         Parameters
         ----------
         uv_range
             Baselines on which the sky was fitted.
         """
-        lines = (
-            noise_warning(origin_of(part).name, noise)
-            for part, noise in zip(
-                parts_of(self.observation), self.noise(sky, uv_range), strict=True
+        sources = _with_flux(sky)
+        lines = []
+        for part, sample, noise in zip(
+            parts_of(self.observation), self.samples, self.noise(sky, uv_range), strict=True
+        ):
+            name = origin_of(part).name
+            if sample is None or not origin_of(part).weights_tell_noise:
+                continue
+            within = _affordable(sample.within(uv_range), sources).here
+            lines.append(
+                noise_warning(name, noise)
+                or outlier_warning(name, within, partial(self._predict, sources))
             )
-            if origin_of(part).weights_tell_noise
-        )
         return tuple(line for line in lines if line is not None)
 
     def noise(self, sky: Galaxies, uv_range: UvRange) -> tuple[NoiseEstimate | None, ...]:

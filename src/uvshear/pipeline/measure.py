@@ -33,6 +33,7 @@ from uvshear.pipeline.measurement import MeasuredField, Measurement
 from uvshear.pipeline.observation import ObservationLike, observation_of, paths_of
 from uvshear.pipeline.outcome import check_field, why_none_was_measured
 from uvshear.pipeline.prepared import Prepared
+from uvshear.pipeline.remarks import remarks
 from uvshear.pipeline.tabulate import catalogue_of_sky, tabulate_shapes
 from uvshear.predict.response import Response
 from uvshear.progress import Progress
@@ -91,10 +92,17 @@ def measure(
     prepared = Prepared.from_observation(observation_of(observation), sources, options)
     check_field(sources, prepared.observation.phase_centre, prepared.field.flags)
     checks, sky = prepared.checks, prepared.field.sky
-    for text in (*prepared.first.warnings, *checks.sign_warnings(sky), *checks.flux_warnings(sky)):
+    before = (
+        *remarks("the weights", checks.weight_warnings),
+        *remarks("the sign of UVW", lambda: checks.sign_warnings(sky)),
+        *remarks("the unit of the catalogue's fluxes", lambda: checks.flux_warnings(sky)),
+    )
+    for text in (*prepared.first.warnings, *before):
         warnings.warn(text, DataWarning, stacklevel=2)
     prepared, extracted = _extract_with_noise(prepared, progress)
-    for text in prepared.checks.noise_warnings(extracted.sky, extracted.uv_range):
+    fitted, uv_range = extracted.sky, extracted.uv_range
+    checks = prepared.checks
+    for text in remarks("the noise", lambda: checks.noise_warnings(fitted, uv_range)):
         warnings.warn(text, DataWarning, stacklevel=2)
     seen, field, first = prepared.observation, prepared.field, prepared.first
     shapes = tabulate_shapes(sources, field, extracted, seen.phase_centre, options.model)

@@ -3,6 +3,7 @@
 Each ``draw_`` function returns a figure, which ``save`` writes.
 """
 
+from uvshear.plot import backend  # noqa: F401 - before the others, which import matplotlib
 from uvshear.plot.ellipticities import draw_ellipticities
 from uvshear.plot.figure import save
 from uvshear.plot.layout import draw_layout

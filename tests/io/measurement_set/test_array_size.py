@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from casacore import tables
 
-from tests.io.measurement_sets import change, emptied, simulated, written
-from uvshear.io.measurement_set.array_size import longest_baseline
+from tests.io.measurement_sets import change, edited, emptied, simulated, written
+from uvshear.io.measurement_set.array_size import array_size
+from uvshear.io.measurement_set.observation import MeasurementSet
 
 
 @pytest.fixture
@@ -15,7 +16,7 @@ def path(tmp_path):
 
 def _longest(path):
     with tables.table(str(path), ack=False) as main:
-        return longest_baseline(path, main)
+        return array_size(path, main).longest_baseline
 
 
 def test_it_is_that_of_the_array_with_a_margin(path):
@@ -48,3 +49,25 @@ def test_positions_that_do_not_fit_the_baselines_are_not_believed(path, value):
 def test_a_set_without_antennas_has_no_limit(path):
     emptied(path, "ANTENNA")
     assert _longest(path) is None
+
+
+def _wrong_ratio(path):
+    with tables.table(str(path), ack=False) as main:
+        return array_size(path, main).wrong_ratio
+
+
+def test_baselines_that_are_not_the_distances_of_the_antennas_are_told(path):
+    assert _wrong_ratio(path) is None
+    with edited(path) as main:
+        main.putcol("UVW", 3 * main.getcol("UVW"))
+    assert _wrong_ratio(path) == pytest.approx(3, rel=1e-3)
+    (notice,) = MeasurementSet(path).notices()
+    assert notice.startswith(
+        "UVW and the positions of the antennas disagree: the length of UVW is 3 times"
+    )
+
+
+@pytest.mark.parametrize("value", [0.0, np.nan, np.random.default_rng(1).normal(size=(8, 3))])
+def test_positions_that_are_not_on_the_earth_tell_nothing(path, value):
+    change(path, "POSITION", value, subtable="ANTENNA")
+    assert _wrong_ratio(path) is None

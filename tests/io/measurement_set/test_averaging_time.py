@@ -75,3 +75,15 @@ def test_an_interval_of_zero_is_no_duration(tmp_path):
     values, (told,) = _intervals(path)
     assert values == [0.0]
     assert UNKNOWN in told
+
+
+def test_an_exposure_that_is_longer_than_the_interval_is_told(tmp_path):
+    path = written(tmp_path, is_averaged=True)
+    change(path, "EXPOSURE", 60.3)
+    assert _intervals(path) == ([60.3], ())
+    change(path, "EXPOSURE", 90.0)
+    values, (told,) = _intervals(path)
+    assert values == [90.0]
+    assert told.startswith("EXPOSURE is longer than INTERVAL in 1680 rows")
+    change(path, "EXPOSURE", 60.0, rows=slice(1, None))
+    assert _intervals(path)[1][0].startswith("EXPOSURE is longer than INTERVAL in 1 rows")

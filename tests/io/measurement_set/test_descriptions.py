@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from casacore import tables
 
 from tests.io.measurement_sets import change, edited, written
 from uvshear.errors import InputError
@@ -104,3 +105,55 @@ def test_a_description_says_its_correlations(path):
     (description,) = MeasurementSet(path).header.descriptions
     assert (description.types, description.hands, description.correlations) == ((9, 12), (0, 1), 2)
     assert not description.is_averaged
+
+
+def _notices(path):
+    return MeasurementSet(path).notices()
+
+
+def test_a_hand_that_alone_makes_stokes_i_is_told(path):
+    assert _notices(path) == ()
+    change(path, "CORR_TYPE", np.array([[9, 10]], np.int32), subtable="POLARIZATION")
+    (told,) = _notices(path)
+    assert (
+        told == "DATA_DESC_ID 0: XX alone is taken as Stokes I, as there is no other parallel hand"
+    )
+
+
+def test_channels_that_overlap_are_told(path):
+    with edited(path, "SPECTRAL_WINDOW") as windows:
+        frequency = windows.getcell("CHAN_FREQ", 0)
+        windows.putcell("CHAN_FREQ", 0, frequency[[0, 2, 1, 3]])
+    assert _notices(path) == ()
+    with edited(path, "SPECTRAL_WINDOW") as windows:
+        frequency[2] = frequency[1] + 1e6
+        windows.putcell("CHAN_FREQ", 0, frequency)
+    (told,) = _notices(path)
+    assert told.startswith("DATA_DESC_ID 0: channels overlap")
+
+
+def test_a_channel_averaged_over_many_times_its_width_is_told(tmp_path):
+    path = written(tmp_path, is_averaged=True)
+    width = MeasurementSet(path).header.descriptions[0].channels.width[0]
+    change(path, "EFFECTIVE_BW", 2.67 * width, subtable="SPECTRAL_WINDOW")
+    assert _notices(path) == ()
+    change(path, "EFFECTIVE_BW", 5 * width, subtable="SPECTRAL_WINDOW")
+    (told,) = _notices(path)
+    assert told == "DATA_DESC_ID 0: EFFECTIVE_BW is more than 4 times CHAN_WIDTH"
+
+
+@pytest.mark.parametrize(
+    ("subtable", "column", "message"),
+    [
+        ("POLARIZATION", "CORR_TYPE", r"CORR_TYPE is \[nan, nan\]; a list of whole numbers"),
+        ("DATA_DESCRIPTION", "POLARIZATION_ID", "POLARIZATION_ID that is no column of whole"),
+        ("DATA_DESCRIPTION", "SPECTRAL_WINDOW_ID", "SPECTRAL_WINDOW_ID that is no column of whole"),
+    ],
+)
+def test_numbers_that_are_not_whole_are_refused(path, subtable, column, message):
+    with edited(path, subtable) as table:
+        table.renamecol(column, "BEFORE")
+        table.addcols(tables.maketabdesc(tables.makearrcoldesc(column, 0.0, ndim=1)))
+        table.putcell(column, 0, np.full(2, np.nan))
+    with pytest.raises(InputError, match=message):
+        MeasurementSet(path)

@@ -207,3 +207,32 @@ def test_a_set_without_other_directions_pointed_at_its_phase_centre(path):
     with edited(path, "FIELD") as fields:
         fields.removecols(["REFERENCE_DIR", "DELAY_DIR"])
     assert read_pointing(path, 0) == read_header(path, "DATA", None).phase_centre
+
+
+@pytest.mark.parametrize(
+    ("frame", "message"),
+    [
+        ("J2000", "the keyword MEASINFO of PHASE_DIR in FIELD is 'J2000'; a record"),
+        ({"VarRefCol": "GONE"}, "is said to be in the column GONE, which is not there"),
+        ({"VarRefCol": "PHASE_DIR"}, "PHASE_DIR of field 0 is in frame not known"),
+        ({"VarRefCol": "NUM_POLY", "TabRefCodes": "x", "TabRefTypes": 7}, "is in frame number 0"),
+        ({"Ref": 7}, "is in frame 7"),
+    ],
+)
+def test_a_frame_that_is_none_is_refused(tmp_path, frame, message):
+    path = written(tmp_path)
+    with edited(path, "FIELD") as fields:
+        fields.removecolkeyword("PHASE_DIR", "MEASINFO")
+        fields.putcolkeyword("PHASE_DIR", "MEASINFO", frame)
+    with pytest.raises(InputError, match=message):
+        MeasurementSet(path)
+
+
+def test_an_ephemeris_that_is_no_number_is_refused(tmp_path):
+    path = written(tmp_path)
+    with edited(path, "FIELD") as fields:
+        column = tables.makescacoldesc("EPHEMERIS_ID", "", valuetype="string")
+        fields.addcols(tables.maketabdesc(column))
+        fields.putcell("EPHEMERIS_ID", 0, "Mars")
+    with pytest.raises(InputError, match="EPHEMERIS_ID of field 0 is 'Mars'; a whole number"):
+        MeasurementSet(path)

@@ -2,12 +2,19 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from casacore import tables
 
 from uvshear.io.measurement_set.opening import casacore_errors
 from uvshear.typing import Array, Float
+
+TOLERANCE: Final = 0.01
+"""Relative difference that is rounding."""
+
+ROWS_COMPARED: Final = 2**20
+"""Number of rows whose EXPOSURE is compared with INTERVAL."""
 
 
 def averaging_time(
@@ -64,6 +71,16 @@ def averaging_notice(main: tables.table, rows: Sequence[int], *, is_averaged: bo
     if "EXPOSURE" not in columns:
         return None
     return "EXPOSURE is 0 although the channels are averages; times are taken to be averages over INTERVAL"
+
+
+def rows_beyond_interval(main: tables.table) -> int:
+    """Count the rows, among the first million, whose EXPOSURE is longer than INTERVAL, in which it must lie."""
+    if not {"EXPOSURE", "INTERVAL"} <= set(main.colnames()):
+        return 0
+    exposure, interval = (
+        np.asarray(main.getcol(name, 0, ROWS_COMPARED), float) for name in ("EXPOSURE", "INTERVAL")
+    )
+    return int(np.count_nonzero((interval > 0) & (exposure > (1 + TOLERANCE) * interval)))
 
 
 def _read(

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 from casacore import tables
@@ -10,9 +11,28 @@ from casacore import tables
 from uvshear.constants import RADIO_FREQUENCIES
 from uvshear.errors import InputError
 from uvshear.interferometer.spectral_window import Channels
-from uvshear.interferometer.stokes import parallel_hands
+from uvshear.interferometer.stokes import STOKES_I, parallel_hands
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
 from uvshear.typing import Array, Float
+
+CORRELATIONS: Final = {
+    1: "I",
+    5: "RR",
+    6: "RL",
+    7: "LR",
+    8: "LL",
+    9: "XX",
+    10: "XY",
+    11: "YX",
+    12: "YY",
+}
+"""Names of CORR_TYPE codes (casacore, Stokes::StokesTypes)."""
+
+OVERLAP: Final = 0.5
+"""Step of neighbouring channels over their width below which they overlap."""
+
+WIDEST: Final = 4.0
+"""EFFECTIVE_BW over CHAN_WIDTH above which one of them is wrong; after Hanning smoothing the ratio is 2.67."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +66,30 @@ class DataDescription:
         return len(self.types)
 
     @property
+    def only_hand(self) -> str | None:
+        """Name of the correlation that alone is taken as Stokes I; None where two are, or where it is Stokes I."""
+        if len(self.hands) > 1 or self.types[self.hands[0]] == STOKES_I:
+            return None
+        return CORRELATIONS[self.types[self.hands[0]]]
+
+    @property
+    def oddities(self) -> tuple[str, ...]:
+        """Facts that a user should know."""
+        found = []
+        if (hand := self.only_hand) is not None:
+            found.append(f"{hand} alone is taken as Stokes I, as there is no other parallel hand")
+        order = np.argsort(self.channels.frequency)
+        frequency, width = self.channels.frequency[order], self.channels.width[order]
+        between = np.diff(frequency)
+        if np.any(between < OVERLAP * np.minimum(width[1:], width[:-1])):
+            found.append(
+                "channels overlap: the steps of CHAN_FREQ are less than half of CHAN_WIDTH"
+            )
+        if np.any(self.averaged > WIDEST * self.channels.width):
+            found.append(f"EFFECTIVE_BW is more than {WIDEST:g} times CHAN_WIDTH")
+        return tuple(found)
+
+    @property
     def is_averaged(self) -> bool:
         """Whether the channels are averages over a band."""
         return bool(np.any(self.averaged > 0))
@@ -58,8 +102,8 @@ def read_descriptions(path: Path, present: Sequence[int]) -> tuple[DataDescripti
         casacore_errors(path, "DATA_DESCRIPTION"),
     ):
         rows = subtable.nrows()
-        windows = subtable.getcol("SPECTRAL_WINDOW_ID") if rows else []
-        polarizations = subtable.getcol("POLARIZATION_ID") if rows else []
+        windows = _rows_of(path, subtable, "SPECTRAL_WINDOW_ID") if rows else []
+        polarizations = _rows_of(path, subtable, "POLARIZATION_ID") if rows else []
     if not rows:
         raise InputError(
             f"{path}: DATA_DESCRIPTION is empty; it needs a row for each spectral window (if files called table.lock"
@@ -80,12 +124,23 @@ def read_descriptions(path: Path, present: Sequence[int]) -> tuple[DataDescripti
                 path,
                 identifier,
                 spectral,
-                int(windows[identifier]),
+                windows[identifier],
                 feeds,
-                int(polarizations[identifier]),
+                polarizations[identifier],
             )
             for identifier in present
         )
+
+
+def _rows_of(path: Path, table: tables.table, column: str) -> list[int]:
+    """Return the row of another table to which each row refers."""
+    rows = np.asarray(table.getcol(column))
+    if rows.ndim != 1 or rows.dtype.kind not in "iu":
+        raise InputError(
+            f"{path}: DATA_DESCRIPTION has a {column} that is no column of whole numbers; it is needed"
+        )
+    numbers: list[int] = rows.tolist()
+    return numbers
 
 
 def _read(
@@ -111,13 +166,17 @@ def _read(
             " each channel"
         )
     types = _numbers(name, feeds, "CORR_TYPE", polarization)
+    if types.ndim != 1 or np.any(types % 1 != 0):
+        raise InputError(
+            f"{name}: CORR_TYPE is {types.tolist()}; a list of whole numbers is needed"
+        )
     try:
         channels = Channels(frequency=frequency, width=width)
-        hands = parallel_hands([int(code) for code in types.ravel()])
+        hands = parallel_hands([int(code) for code in types])
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
     averaged = _averaged(spectral, window, channels)
-    return DataDescription(identifier, channels, averaged, tuple(map(int, types.ravel())), hands)
+    return DataDescription(identifier, channels, averaged, tuple(map(int, types)), hands)
 
 
 def _numbers(name: str, table: tables.table, column: str, row: int) -> Float[Array, "..."]:

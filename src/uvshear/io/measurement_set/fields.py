@@ -146,8 +146,8 @@ def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCe
     with open_table(path, "FIELD") as fields, casacore_errors(path, f"{column} of FIELD"):
         if column not in fields.colnames() or not fields.iscelldefined(column, field):
             raise InputError(f"{path}: FIELD has no {column} for field {field}; it needs one")
-        frame = _frame(fields, column, field)
-        ephemeris = _ephemeris(fields, field)
+        frame = _frame(path, fields, column, field)
+        ephemeris = _ephemeris(path, fields, field)
         direction = np.ravel(fields.getcell(column, field))
     if frame not in FRAMES:
         raise InputError(
@@ -173,25 +173,39 @@ def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCe
     return PhaseCentre(ra=ra, dec=dec)
 
 
-def _frame(fields: tables.table, column: str, field: int) -> str:
+def _frame(path: Path, fields: tables.table, column: str, field: int) -> str:
     """Return the frame of a direction, which is that of the column or another one in each row."""
     reference = fields.getcolkeywords(column).get("MEASINFO", {})
+    if not isinstance(reference, dict):
+        raise InputError(
+            f"{path}: the keyword MEASINFO of {column} in FIELD is {reference!r}; a record with the frame of its"
+            " directions is needed"
+        )
     if (by_row := reference.get("VarRefCol")) is None:
         return str(reference.get("Ref", "J2000"))
+    if by_row not in fields.colnames():
+        raise InputError(
+            f"{path}: the frame of {column} in FIELD is said to be in the column {by_row}, which is not there"
+        )
     value = fields.getcell(by_row, field)
     if isinstance(value, str):
         return value.strip()
-    codes = [int(code) for code in np.ravel(reference.get("TabRefCodes", []))]
-    words = list(reference.get("TabRefTypes", []))
+    codes = np.ravel(reference.get("TabRefCodes", [])).tolist()
+    words = list(np.ravel(reference.get("TabRefTypes", [])))
     known = dict(zip(codes, words, strict=False))
-    return str(known.get(int(value), f"number {value}"))
+    return str(known.get(value, f"number {value}")) if np.ndim(value) == 0 else "not known"
 
 
-def _ephemeris(fields: tables.table, field: int) -> int:
+def _ephemeris(path: Path, fields: tables.table, field: int) -> int:
     """Return the number of the ephemeris that the field follows; -1 if it follows none."""
     if "EPHEMERIS_ID" not in fields.colnames() or not fields.iscelldefined("EPHEMERIS_ID", field):
         return -1
-    return int(fields.getcell("EPHEMERIS_ID", field))
+    value = fields.getcell("EPHEMERIS_ID", field)
+    if not isinstance(value, int):
+        raise InputError(
+            f"{path}: EPHEMERIS_ID of field {field} is {value!r}; a whole number is needed"
+        )
+    return value
 
 
 def read_pointing(path: Path, field: int) -> PhaseCentre:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from dataclasses import field as default
 from pathlib import Path
 from typing import Final
 
@@ -10,8 +11,10 @@ from casacore import tables
 
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.io.measurement_set.array_size import longest_baseline
-from uvshear.io.measurement_set.averaging_time import averaging_notice
+from uvshear.interferometer.array_extent import ArrayExtent
+from uvshear.io.measurement_set.array_size import array_size
+from uvshear.io.measurement_set.averaging_time import averaging_notice, rows_beyond_interval
+from uvshear.io.measurement_set.column_types import check_types
 from uvshear.io.measurement_set.descriptions import DataDescription, read_descriptions
 from uvshear.io.measurement_set.fields import NamedField, choose_field, fields_with_rows
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
@@ -41,8 +44,10 @@ class Header:
         WEIGHT_SPECTRUM, WEIGHT or SIGMA: the first that is filled.
     averaging_notice
         What is missing in the averaging times of the rows; None if nothing is.
-    longest_baseline
-        Length that no baseline of the array exceeds [m]; None where the positions of its antennas are not known.
+    beyond_interval
+        Number of rows whose EXPOSURE is longer than INTERVAL.
+    extent
+        The extent of the array by the positions of its antennas.
     """
 
     rows: int
@@ -51,7 +56,8 @@ class Header:
     descriptions: tuple[DataDescription, ...]
     weight_column: str
     averaging_notice: str | None
-    longest_baseline: float | None = None
+    beyond_interval: int = 0
+    extent: ArrayExtent = default(default_factory=ArrayExtent)
 
     @property
     def phase_centre(self) -> PhaseCentre:
@@ -102,7 +108,8 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
                     _probed_rows(main),
                     is_averaged=any(description.is_averaged for description in descriptions),
                 ),
-                longest_baseline=longest_baseline(path, main),
+                beyond_interval=rows_beyond_interval(main),
+                extent=array_size(path, main),
             )
 
 
@@ -190,6 +197,7 @@ def _check_columns(path: Path, main: tables.table, column: str) -> None:
         raise InputError(
             f"{path}: has no column {', '.join(missing)}, which every Measurement Set must have; this one is damaged"
         )
+    check_types(path, main)
 
 
 def visibility_columns(main: tables.table) -> tuple[str, ...]:

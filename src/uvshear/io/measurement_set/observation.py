@@ -157,6 +157,16 @@ class MeasurementSet:
             )
         if self.header.averaging_notice is not None:
             found.append(self.header.averaging_notice)
+        if rows := self.header.beyond_interval:
+            found.append(
+                f"EXPOSURE is longer than INTERVAL in {rows} rows; they are taken to be averages over EXPOSURE"
+            )
+        if (notice := self.header.extent.notice) is not None:
+            found.append(notice)
+        for description in self.header.descriptions:
+            found += [
+                f"DATA_DESC_ID {description.identifier}: {fact}" for fact in description.oddities
+            ]
         return tuple(found)
 
     def uvw_agrees(self) -> bool | None:
@@ -227,7 +237,7 @@ class _Reader:
             uvw, integrations, correlations[..., hands], weights[..., hands], flags[..., hands]
         )
         seen = found.combine(description.channels.frequency, description.averaged)
-        return replace(seen, longest_baseline=self.header.longest_baseline)
+        return replace(seen, longest_baseline=self.header.extent.longest_baseline)
 
     def _visibilities(
         self, table: tables.table, column: str, start: int, shape: tuple[int, int, int]

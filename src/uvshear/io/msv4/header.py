@@ -8,7 +8,7 @@ import numpy as np
 
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.array_extent import array_extent
+from uvshear.interferometer.array_extent import ArrayExtent, array_extent
 from uvshear.io.msv4.antennas import Antennas, read_antennas
 from uvshear.io.msv4.fields import FieldLabel, StoreField, choose_field
 from uvshear.io.msv4.groups import attributes, correlated_groups
@@ -30,15 +30,15 @@ class StoreHeader:
         Antennas of these partitions.
     weights
         Variable of weights, or of sigma, of each partition.
-    longest_baseline
-        Length that no baseline of the array exceeds [m]; None where the positions of its antennas are not known.
+    extent
+        The extent of the array by the positions of its antennas.
     """
 
     field: StoreField
     partitions: tuple[Partition, ...]
     antennas: Antennas
     weights: tuple[str, ...]
-    longest_baseline: float | None = None
+    extent: ArrayExtent
 
     @property
     def phase_centre(self) -> PhaseCentre:
@@ -91,9 +91,7 @@ def read_header(path: Path, column: str, field: int | str | None) -> StoreHeader
         weights=tuple(
             name or one.variables.weights for name, one in zip(weights, partitions, strict=True)
         ),
-        longest_baseline=array_extent(
-            antennas.positions, antennas.diameters, integrations.antennas, uvw
-        ),
+        extent=array_extent(antennas.positions, antennas.diameters, integrations.antennas, uvw),
     )
 
 

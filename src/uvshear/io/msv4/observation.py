@@ -128,7 +128,7 @@ class Msv4Store:
             setup = partition.setup
             for rows in read_blocks(partition, choice, self.memory):
                 seen = rows.combine(setup.channels.frequency, setup.averaged)
-                yield replace(seen, longest_baseline=self.header.longest_baseline)
+                yield replace(seen, longest_baseline=self.header.extent.longest_baseline)
 
     def origin(self) -> Origin:
         """Return the store itself, under its path."""
@@ -152,6 +152,8 @@ class Msv4Store:
                     f"{missing} of the {parts} parts of {partition.group.name}/{name} have no file, as in an incomplete"
                     " copy; visibilities in them are taken to be 0"
                 )
+        if (notice := self.header.extent.notice) is not None:
+            found.append(notice)
         of_times = [partition.averaging_notice for partition in self.header.partitions]
         return (*found, *dict.fromkeys(text for text in of_times if text is not None))
 

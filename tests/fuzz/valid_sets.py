@@ -1,0 +1,116 @@
+"""Whether a mutated Measurement Set is as good as the clean one: all that has changed could have been observed.
+
+The sets are compared with casacore alone. The rules are narrow: whatever has changed otherwise must be told.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from casacore import tables
+
+from tests.fuzz.wild import numbers_differ
+
+FEW: Final = 8
+"""Largest number of rows in which visibilities, weights, or baselines may differ unnoticed."""
+
+Rule = Callable[[Any, Any], Any]
+
+
+def _as_any(new: Any, old: Any) -> Any:
+    """Accept any value."""
+    return np.ones(np.shape(new), bool)
+
+
+def _within_range(new: Any, old: Any) -> Any:
+    """Accept visibilities not much larger than the largest one that is there."""
+    return np.isfinite(new) & (np.abs(new) <= 3 * np.abs(old).max())
+
+
+def _of_the_same_order(new: Any, old: Any) -> Any:
+    """Accept weights that are not much larger; one without weight is as good as flagged."""
+    return (new > 0) & (new <= 10 * old)
+
+
+def _within_array(new: Any, old: Any) -> Any:
+    length = np.linalg.norm(new, axis=-1, keepdims=True)
+    longest = np.linalg.norm(old, axis=-1).max()
+    return (length > 0) & (length <= longest) & np.ones(np.shape(new), bool)
+
+
+def _is_rounding(new: Any, old: Any) -> bool:
+    """Tell whether baselines are no further off than those of an array that moves by 1e-3 of its size."""
+    return bool(np.abs(new - old).max() <= 1e-3 * np.linalg.norm(old, axis=-1).max())
+
+
+OF_ROWS: Final[dict[str, Rule]] = {
+    "DATA": _within_range,
+    "WEIGHT_SPECTRUM": _of_the_same_order,
+    "UVW": _within_array,
+    "FLAG": _as_any,
+    "FLAG_ROW": _as_any,
+}
+"""Rules for single rows: of all rows, or of a part of a column, they would be told apart from what was observed."""
+
+UNCHANGED: Final = {
+    "": ("DATA_DESC_ID", "FIELD_ID", "ANTENNA1", "ANTENNA2"),
+    "FIELD": ("PHASE_DIR",),
+    "SPECTRAL_WINDOW": ("CHAN_FREQ", "CHAN_WIDTH", "EFFECTIVE_BW"),
+    "POLARIZATION": ("CORR_TYPE",),
+    "DATA_DESCRIPTION": ("SPECTRAL_WINDOW_ID", "POLARIZATION_ID"),
+    "ANTENNA": ("POSITION",),
+}
+"""Columns on which shapes depend."""
+
+
+def is_another_valid_set(path: Path, clean: Path) -> bool:
+    """Tell whether all that differs could have been observed."""
+    for table, columns in UNCHANGED.items():
+        for column in columns:
+            new, old = _cells(path / table, column), _cells(clean / table, column)
+            if not _are_equal(new, old):
+                return False
+    if not _is_within_interval(path):
+        return False
+    for column, rule in OF_ROWS.items():
+        new, old = (_stacked(one, column) for one in (path, clean))
+        if new is None or old is None or new.shape != old.shape:
+            return False
+        differs = numbers_differ(new, old)
+        rows = differs.reshape(len(new), -1).any(axis=1)
+        if column == "UVW" and _is_rounding(new, old):
+            continue
+        is_too_many = rule is not _as_any and np.count_nonzero(rows) > FEW
+        if is_too_many or not rule(new, old)[differs].all():
+            return False
+    return True
+
+
+def _is_within_interval(path: Path) -> bool:
+    """Tell whether all samples are averages over less than their integration, as some are whose data are flagged."""
+    exposure, interval = (_stacked(path, name) for name in ("EXPOSURE", "INTERVAL"))
+    if exposure is None or interval is None:
+        return False
+    return bool(np.all((exposure >= 0) & (exposure <= 1.01 * interval)))
+
+
+def _cells(path: Path, column: str) -> list[Any] | None:
+    with tables.table(str(path), ack=False) as table:
+        if column not in table.colnames():
+            return None
+        return [table.getcell(column, row) for row in range(table.nrows())]
+
+
+def _are_equal(new: list[Any] | None, old: list[Any] | None) -> bool:
+    if new is None or old is None or len(new) != len(old):
+        return new is old
+    return all(np.array_equal(one, other) for one, other in zip(new, old, strict=True))
+
+
+def _stacked(path: Path, column: str) -> Any:
+    cells = _cells(path, column)
+    try:
+        return None if cells is None else np.stack([np.asarray(cell) for cell in cells])
+    except ValueError:
+        return None
