@@ -29,6 +29,7 @@ def crowd():
     return Survey(plan(integration=7200.0), snr_min=10.0).crowd(SHEARS, 20, 4.0, seed=6)
 
 
+@pytest.mark.long
 def test_moments_of_a_crowd_answer_to_the_shear(crowd, moments):
     def measured(observation, lensed):
         catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)

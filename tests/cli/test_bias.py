@@ -163,6 +163,7 @@ def test_the_papers_facets_round_galaxies(uvshear: Callable, tmp_path: Path) -> 
     assert 0.01 < lost < 0.1
 
 
+@pytest.mark.long
 def test_a_population_of_ones_own_is_what_galaxies_are_taken_for(
     uvshear: Callable, tmp_path: Path
 ) -> None:
@@ -195,6 +196,7 @@ def test_metacal_wraps_another_estimator(uvshear: Callable, tmp_path: Path) -> N
     assert abs(record["m1"]) < 0.03
 
 
+@pytest.mark.long
 def test_a_crowd_is_calibrated(uvshear: Callable, tmp_path: Path) -> None:
     output = tmp_path / "bias.json"
     words = ("--galaxies", "100", "--density", "8", "--integration-s", "14400", "--shear", "0")

@@ -54,11 +54,13 @@ def test_times_that_no_calendar_has_are_shown_as_they_are(
     path = written(tmp_path)
     assert "2000-01-01T" in uvshear("info", path).out
     for value, words in ((1e30, "MJD 1.15741e+25 to MJD 1.15741e+25"), (-1e9, "MJD -11574")):
-        change(path, "TIME", value)
+        for column in ("TIME", "TIME_CENTROID"):
+            change(path, column, value)
         outcome = uvshear("info", path)
         assert outcome.status == 0
         assert words in outcome.out
-    change(path, "TIME", np.nan)
+    for column in ("TIME", "TIME_CENTROID"):
+        change(path, column, np.nan)
     outcome = uvshear("info", path)
     assert outcome.status == 0
     assert "have a time or integration time that is negative, NaN, infinite" in outcome.err

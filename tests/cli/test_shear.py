@@ -275,6 +275,7 @@ def test_a_population_that_does_not_fit_is_told(
     assert estimate["goodness"]["n"] == 110
 
 
+@pytest.mark.long
 def test_a_fitted_population_is_told_and_can_be_given_again(
     uvshear: Callable, tmp_path: Path, shapes: Path
 ) -> None:

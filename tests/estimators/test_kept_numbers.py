@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from uvshear.errors import InputError
 from uvshear.estimators import Metacal, Moments
+from uvshear.estimators.kept_numbers import incomplete
 from uvshear.estimators.sample import Sample
 
 
@@ -29,3 +31,12 @@ def test_no_variance_is_negative(name: str) -> None:
     sample = _sample(Moments())
     sample[name][2] = -1e-6
     assert Moments().damaged(sample).tolist() == [False, False, True, False]
+
+
+@pytest.mark.parametrize(
+    "values", [np.zeros((2, 3)), np.array([[1.0], [2.0, 3.0]], object), np.array(["a", "b"])]
+)
+def test_other_values_than_one_number_a_source_are_refused(values: np.ndarray) -> None:
+    sample = Sample({"a": np.zeros(2), "b": values}, np.zeros(2))
+    with pytest.raises(InputError, match="column 'b' has other values than one number"):
+        incomplete(sample, ("a", "b"))

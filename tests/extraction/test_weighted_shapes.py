@@ -88,6 +88,7 @@ def natural(field):
     return _measured(field)
 
 
+@pytest.mark.long
 def test_errors_are_as_right_as_those_of_natural_weights(field, natural):
     """Of 160 numbers and the same noise a width is good to 0.1; with Briggs weights as they are it is 0.4 or so."""
     briggs = _measured(field, Briggs(0.0, math.radians(0.2)))
@@ -96,6 +97,7 @@ def test_errors_are_as_right_as_those_of_natural_weights(field, natural):
     assert abs(width - 1) < 0.25
 
 
+@pytest.mark.long
 def test_a_taper_costs_precision_and_leaves_the_snr(field, natural):
     tapered = _measured(field, GaussianTaper(4 * ARCSEC))
     assert abs(_pull_width(field[0], tapered) - 1) < 0.25
@@ -141,6 +143,7 @@ def test_the_errors_of_each_galaxy_are_corrected_by_its_size(field):
     np.testing.assert_allclose(seen.scale * correction, wanted, rtol=0.02)
 
 
+@pytest.mark.long
 def test_a_correction_widens_the_errors_of_e(field):
     galaxies, observation = field
     few = galaxies.select(np.arange(12))
