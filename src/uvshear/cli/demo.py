@@ -43,7 +43,7 @@ PICTURES = (
 )
 
 UNFINISHED: Final = ".uvshear-demo-unfinished"
-"""File that is in the directory until the demo has come to its end, so that the next one may replace what it left."""
+"""File in the directory of a demo that has not come to its end: the next demo may replace the files there."""
 
 INTEGRATION_S: Final = 900
 """32 samples in 8 h: 617 792 rows; 60 s would be 9.3 million."""

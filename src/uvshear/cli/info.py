@@ -27,7 +27,7 @@ EPILOG = "Example: uvshear info FIELD.ms"
 Fact = tuple[str, str]
 
 FIRST_DATE, LAST_DATE = 15020 * 86400.0, 124593 * 86400.0
-"""Beginnings of the years 1900 and 2200 [MJD s]; times outside of them are no dates of observations."""
+"""Beginnings of the years 1900 and 2200 [MJD s]; times outside this range cannot be those of observations."""
 
 SHORT = "Summarise a Measurement Set or an MSv4 store."
 
@@ -53,7 +53,7 @@ def info(
     """Summarise a Measurement Set or an MSv4 store.
 
     The summary lists the array, fields, frequencies, flags and baselines, and says whether the weights match the
-    noise, as far as this can be told without a catalogue. With --field it covers only that field.
+    noise, as far as this can be judged without a catalogue. With --field it covers only that field.
     """
     from uvshear.io.observations import inspect
 
@@ -132,7 +132,7 @@ def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
 
 
 def _date(time: float) -> str:
-    """Return a time [MJD s] as a date, or as it is where it is none."""
+    """Return a time [MJD s] as a date, or as a Modified Julian Date if it cannot be that of an observation."""
     from astropy.time import Time
 
     if not FIRST_DATE < time < LAST_DATE:

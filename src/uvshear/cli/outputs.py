@@ -1,4 +1,4 @@
-"""Outputs of a command, which belong to it until it ends."""
+"""Reservation of the outputs of a command until it ends."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ import typer
 
 
 def reserve(context: typer.Context, outputs: Sequence[Path], inputs: Sequence[Path] = ()) -> None:
-    """Refuse outputs that are inputs, or one another, or at work in another process, and reserve the others.
+    """Reserve outputs; refuse them if they are inputs, are given twice, or are reserved by another process.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Baselines and the distances of the antennas: the longest baseline that an array can have."""
+"""UVW and the distances between antennas: whether they agree, and the longest baseline that an array can have."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -15,7 +15,7 @@ ROWS_COMPARED: Final = 256
 
 TOLERANCE: Final = 0.01
 """Relative difference between the length of UVW and the distance of two antennas that is taken as agreement. Geodesy,
-aberration and averaging make less than 1e-3."""
+aberration and averaging cause less than 1e-3."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +25,11 @@ class ArrayExtent:
     Parameters
     ----------
     longest_baseline
-        Length that no baseline exceeds [m]: that of the array, and one per cent, and one dish. None unless most of the
-        compared rows have a UVW as long as the distance of their antennas.
+        Length that no baseline exceeds [m]: the largest distance between two antennas, plus one per cent, plus the
+        diameter of a dish. None unless UVW is as long as the distance between the antennas in most compared rows.
     wrong_ratio
-        Median of the lengths of UVW over these distances, if the antennas stand on the Earth and most rows disagree
-        with them; None otherwise. Positions that are missing or refer to another frame tell nothing.
+        Median ratio of the length of UVW to these distances, if the antennas stand on the Earth and most rows disagree
+        with them; None otherwise. Positions that are missing or in another frame cannot be compared with UVW.
     """
 
     longest_baseline: float | None = None

@@ -27,7 +27,7 @@ def sense_agrees(
     stored
         Baselines of the compared rows [m].
     integrations
-        Antennas and times of these rows; times are in UTC [s], counted as Modified Julian Days are.
+        Antennas and times of these rows; times are Modified Julian Dates in UTC [s].
     positions
         Geocentric positions of all antennas [m]; NaN where they are not known.
     phase_centre

@@ -1,8 +1,8 @@
 r"""Visibilities whose residual cannot be noise.
 
-The powers of noise over their variance, :math:`x = w |r|^2 / 2`, are exponentially distributed with a mean s^2, which
-their median tells whatever a few of them are. The largest of N exceeds :math:`s^2 (\ln N + t)` with a probability of
-:math:`e^{-t}`.
+For noise, the powers in units of the variance, :math:`x = w |r|^2 / 2`, are exponentially distributed with a mean s^2.
+It is estimated from their median, which a few outliers hardly change. The largest of N exceeds
+:math:`s^2 (\ln N + t)` with a probability of :math:`e^{-t}`.
 """
 
 import math
@@ -15,22 +15,22 @@ from uvshear.interferometer.samples import Samples
 from uvshear.typing import Array, Float
 
 RARE: Final = 20.0
-"""The t of the limit: one set in 5e8 has an outlier by chance."""
+"""The t of the limit: one observation in 5e8 has an outlier by chance."""
 
 FEW: Final = 0.01
-"""Part of the visibilities up to which those beyond the limit are outliers. More of them are a sky that is missing in
-the model, about which the noise tells."""
+"""Largest fraction of the visibilities that are reported as outliers. If more are beyond the limit, sky is missing in
+the model, which the comparison of the noise with the weights reports."""
 
 FEWEST: Final = 100
-"""Number of visibilities below which none is judged."""
+"""Number of visibilities below which nothing is checked."""
 
 EQUAL: Final = 0.01
-"""Part of the visibilities that count, below which the weights are too unequal to be right: in arrays with dishes of
-all sizes it is a few per cent or more."""
+"""Ratio of the effective to the actual number of visibilities below which the weights are too unequal to be right; in
+arrays with dishes of all sizes it is a few per cent or more."""
 
 
 def outlier_warning(name: str, samples: Samples, predict: Predict) -> str | None:
-    """Return a line about visibilities that are too far from a sky; None if there are none.
+    """Return a line about visibilities that are too far from the predicted sky; None if there are none.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def outlier_warning(name: str, samples: Samples, predict: Predict) -> str | None
         return None
     residual = samples.stokes_i.astype(complex) - predict(samples)
     power = np.abs(residual) ** 2 * samples.weights.astype(float) / 2
-    # Without noise, as in some simulations, the residual tells the accuracy of the model.
+    # Without noise, as in some simulations, the residual only shows the accuracy of the model.
     variance = max(float(np.median(power)) / math.log(2), 1.0)
     limit = math.log(number) + RARE
     beyond = int(np.count_nonzero(power > limit * variance))
@@ -60,7 +60,7 @@ def outlier_warning(name: str, samples: Samples, predict: Predict) -> str | None
 
 
 def weight_warning(name: str, weights: Float[Array, " sample"]) -> str | None:
-    r"""Return a line about weights of which a few count for more than all others; None if there are none.
+    r"""Return a line if a few weights count for more than all others; None otherwise.
 
     .. math:: N_\mathrm{eff} = \left(\sum w\right)^2 / \sum w^2
     """

@@ -1,4 +1,4 @@
-"""Samples that cannot be right are left out of every pass, and counted by reason."""
+"""Samples that cannot be right: they are left out of every pass over the data, and counted by reason."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -12,34 +12,34 @@ from uvshear.interferometer.visibilities import Integrations, Observation, Visib
 from uvshear.typing import Array, Bool, Float
 
 LONGEST_BASELINE: Final = 1e9
-"""Length beyond which a baseline cannot be real, if that of the array is not known [m]: more than twice the distance of
-the Moon."""
+"""Length beyond which a baseline cannot be real, if the extent of the array is not known [m]: more than twice the
+distance of the Moon."""
 
 LONGEST_INTEGRATION: Final = 86400.0
-"""Time that no visibility is averaged over [s]: within a day every baseline turns once."""
+"""Length beyond which an integration cannot be real [s]: within a day, every baseline turns once."""
 
 LARGEST_SNR: Final = 1e8
 """Signal-to-noise ratio beyond which a single visibility cannot be real. Squares of larger ones overflow in single
 precision."""
 
 LARGEST_WEIGHT: Final = 1e6
-"""Weight over the 99th percentile of its block beyond which a weight cannot be real: the noise of few samples would be
-less than a thousandth of that of all others. In sums of single precision they would drown the others."""
+"""Ratio of a weight to the 99th percentile of its block beyond which it cannot be real: the noise of a few samples
+would be less than a thousandth of that of all others. In sums of single precision, they would swamp the others."""
 
 FEW: Final = 0.99
-"""Fraction of the samples of a block that have a smaller weight than those that may be too large."""
+"""Fraction of the samples of a block that have a smaller weight than those whose weight may be too large."""
 
 NO_TIME: Final = 0.0
 """Time of an integration whose time is not known [MJD s]; it lies in 1858."""
 
 
 def screened(seen: Visibilities) -> Visibilities:
-    """Return the samples with a weight of 0 where they cannot be right, and with the numbers of these by reason.
+    """Return the samples, with a weight of 0 for those that cannot be right, and with their numbers by reason.
 
-    Rows are left out whose UVW is not finite, zero (as writers store it for missing antennas) or longer than the array,
-    or whose time is not finite, or whose integration is negative or longer than a day. Channels are left out whose
-    frequency or width cannot be that of a radio telescope. Samples are left out that are not finite, or impossibly
-    large, or whose weight dwarfs all others.
+    A row is left out if its UVW is not finite, is zero (as programs store it for missing antennas) or is longer than
+    the array, if its time is not finite, or if its integration is negative or longer than a day. A channel is left out
+    if its frequency or width cannot be that of a radio telescope. A sample is left out if it is not finite or is
+    impossibly large, or if its weight dwarfs all others.
     """
     if seen.is_screened:
         return seen

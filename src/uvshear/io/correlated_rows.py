@@ -1,4 +1,4 @@
-"""Rows of correlations, as a reader finds them in a file, combined to visibilities in Stokes I and counted."""
+"""Rows of correlations, as a reader finds them in a file: they are combined into Stokes I and counted."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class CorrelatedRows:
     def combine(
         self, frequency: Float[Array, " chan"], averaged: Float[Array, " chan"]
     ) -> Visibilities:
-        """Return Stokes I of the cross-correlations, with the numbers of samples by reason.
+        """Return Stokes I of the cross-correlations, with the numbers of samples that are not usable, by reason.
 
         Parameters
         ----------
@@ -96,7 +96,7 @@ class CorrelatedRows:
 
 
 def hands_slice(hands: Sequence[int]) -> slice:
-    """Return the slice that takes the correlations of Stokes I from all of them; a view of an array costs nothing."""
+    """Return the slice that takes the correlations of Stokes I from all of them: unlike a list, it copies nothing."""
     first, last = min(hands), max(hands)
     return slice(first, last + 1, max(1, last - first))
 

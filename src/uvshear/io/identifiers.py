@@ -9,11 +9,11 @@ from uvshear.errors import InputError
 from uvshear.typing import Array, Shaped
 
 OTHER_NAMES: Final = ("Source_Name", "Source_id", "Gaus_id", "uuid")
-"""Names that archives and source finders give to the column of identifiers, the first that is there before others."""
+"""Names that archives and source finders give to the column of identifiers; the first that a table has is used."""
 
 
 def identifiers_among(names: Sequence[str]) -> str | None:
-    """Return the column of identifiers of a table without a column ``id``; None if no name is that of one."""
+    """Return the column of identifiers in a table without a column ``id``; None if it has ``id``, or no such column."""
     by_word = {name.lower(): name for name in reversed(names)}
     if "id" in by_word:
         return None

@@ -28,12 +28,12 @@ class NewOutputs:
         self._pending: list[tuple[Path, bool]] = []
 
     def new(self, path: Path, *, overwrite: bool) -> Path:
-        """Return the temporary path of an output; the last one that is asked for is the last one to get its name."""
+        """Return the temporary path of an output; outputs get their names in the order in which this is called."""
         self._pending.append((path, overwrite))
         return self._directory / path.name
 
     def place(self) -> None:
-        """Give all outputs their names; if one cannot have its name, keep those that are left, and say where."""
+        """Give all outputs their names; if one cannot get its name, keep the remaining ones, and say where they are."""
         parent = self._directory.parent
         path = parent
         try:
@@ -56,7 +56,7 @@ class NewOutputs:
 
 @contextmanager
 def new_outputs(beside: Path) -> Iterator[NewOutputs]:
-    """Yield new outputs beside one of them, which get their names if the block ends without an error."""
+    """Yield outputs in the directory of one of them; they get their names if the block ends without an error."""
     with unfinished_directory(beside) as directory:
         outputs = NewOutputs(directory)
         yield outputs
@@ -96,7 +96,7 @@ def check_file(path: Path, *, overwrite: bool) -> None:
 
 
 def check_apart(outputs: Sequence[Path], inputs: Sequence[Path]) -> None:
-    """Refuse outputs that are one another, an input, within an input or around one."""
+    """Refuse outputs that are given twice, that are inputs, that lie within an input, or that contain one."""
     places = [place_of(path) for path in outputs]
     for number, place in enumerate(places):
         if place in places[:number]:
@@ -114,7 +114,7 @@ def check_apart(outputs: Sequence[Path], inputs: Sequence[Path]) -> None:
 
 
 def _is_data(directory: Path) -> bool:
-    """Tell whether a directory is a file to its program: a Measurement Set or a store of zarr."""
+    """Tell whether a directory is a single data set: a Measurement Set or a zarr store."""
     return any((directory / name).is_file() for name in ("table.dat", "zarr.json", ".zgroup"))
 
 

@@ -1,4 +1,4 @@
-"""Moves from a temporary name to the final one that replace nothing by mistake."""
+"""Moves of outputs from a temporary name to the final one, without replacing anything by mistake."""
 
 import ctypes
 import errno
@@ -65,7 +65,7 @@ def place_new(written: Path, target: Path) -> None:
 
 
 def replace(written: Path, target: Path) -> None:
-    """Move a file or directory to a name, and remove what had it; at every moment one of the two is there whole."""
+    """Move a file or directory to a name, and remove what had that name; at every moment one of the two is complete."""
     if not written.is_dir():
         os.replace(written, target)
         return
@@ -74,10 +74,10 @@ def replace(written: Path, target: Path) -> None:
         return
     try:
         _rename(written, target, _EXCHANGE)
-        return  # what had the name is where the new one was, and is removed with that directory
+        return  # the old one is now where the new one was, and is removed with that directory
     except NotImplementedError:
         pass
-    # The old one keeps a visible name, so that it is not lost if the process is killed here.
+    # The old one gets a visible name, so that it is not lost if the process is killed here.
     aside = target.with_name(f"{target.name}.replaced-{secrets.token_hex(4)}")
     target.rename(aside)
     try:

@@ -18,7 +18,7 @@ _reserved: set[Path] = set()
 
 
 def place_of(path: Path) -> Path:
-    """Return the absolute path of an output, in which the output itself may be a link."""
+    """Return the absolute path of an output; links in it are resolved, unless the output itself is one."""
     return path.parent.resolve() / path.name
 
 
@@ -31,8 +31,8 @@ def is_reserved(path: Path) -> bool:
 def reserved(outputs: Sequence[Path]) -> Iterator[None]:
     """Keep other processes from beginning to write the same outputs during the block.
 
-    An output that exists at the end of the block nevertheless, and is not to be replaced, stays as it is; what was to
-    be written is kept beside it.
+    If a file with the name of an output has nevertheless appeared by the end of the block, and is not to be replaced,
+    it stays as it is; what was to be written is kept beside it.
     """
     places = {place_of(path): path for path in outputs}
     with ExitStack() as stack:

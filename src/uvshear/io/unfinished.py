@@ -1,9 +1,9 @@
-"""Private directories in which outputs are written before they get their names, and what killed processes left of them.
+"""Private directories in which outputs are written before they get their names, and the removal of abandoned ones.
 
 A directory is beside the output, so that a finished file can be renamed to its place. Its name is random and only its
 owner may enter it: nobody can guess the path of a file in it, or put a link there. The process that owns a directory
-holds a lock on a file in it. The system releases this lock when the process ends, however it ends, so that a directory
-without an owner can be told, and the next process that writes beside it removes it.
+holds a lock on a file in it. The system releases this lock when the process ends, however it ends. A directory without
+an owner is recognised by this, and the next process that writes beside it removes it.
 """
 
 import fcntl
@@ -19,7 +19,7 @@ MARK: Final = ".uvshear-unfinished-"
 """Part of the names of private directories, after a dot and the name of an output."""
 
 _LONGEST: Final = 100
-"""Number of letters of an output's name that a private directory has in its own."""
+"""Largest number of characters of an output's name that the name of its private directory repeats."""
 
 _LOCK: Final = "lock"
 
@@ -32,7 +32,7 @@ _owned: dict[Path, int | None] = {}
 
 @contextmanager
 def unfinished_directory(output: Path) -> Iterator[Path]:
-    """Yield a new private directory beside an output, which does not outlive the block or the process.
+    """Yield a new private directory beside an output; unless released, it is removed at the end of the block.
 
     Directories that killed processes left there are removed.
     """
@@ -50,7 +50,7 @@ def is_unfinished(path: Path) -> bool:
 
 
 def remove_unfinished() -> None:
-    """Remove all private directories when the process ends without leaving its blocks."""
+    """Remove all private directories of this process, for an exit that does not leave the blocks that use them."""
     for directory in tuple(_owned):
         _remove(directory)
 
@@ -77,7 +77,7 @@ def live_directories(parent: Path) -> Iterator[Path]:
 
 
 def remove_leftovers(parent: Path) -> None:
-    """Remove the private directories of processes that are dead; what cannot be removed is left."""
+    """Remove the private directories of processes that have ended; what cannot be removed is left."""
     for directory in _found(parent):
         if directory in _owned:
             continue
@@ -113,7 +113,7 @@ def _new(output: Path) -> Path:
         try:
             lock = _locked(directory)
         except FileNotFoundError:
-            continue  # taken for a leftover in the moment before it was locked
+            continue  # another process took it for a leftover before it was locked
         except OSError:
             _owned[directory] = None
             return directory
@@ -128,7 +128,7 @@ def _locked(directory: Path) -> int | None:
     lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        # A process that held it before may have removed the file in between.
+        # A process that held the lock before may have removed the file in the meantime.
         if not os.path.samestat(os.fstat(lock), path.stat()):
             raise FileNotFoundError(path)
     except BlockingIOError:
@@ -142,7 +142,7 @@ def _locked(directory: Path) -> int | None:
 
 def _remove(directory: Path) -> None:
     for _ in range(_MOST_REMOVALS):
-        # The lock goes last, so that a removal which is cut short can be taken up.
+        # The lock is removed last, so that another process can complete a removal that was cut short.
         for entry in _entries(directory):
             if entry.name != _LOCK:
                 if entry.is_dir(follow_symlinks=False):

@@ -116,8 +116,8 @@ class DataChecks:
     def noise_warnings(self, sky: Galaxies, uv_range: UvRange) -> tuple[str, ...]:
         """Return one line for each part whose weights do not agree with its noise, judging by the residual of a sky.
 
-        Where they agree, the line is about a few visibilities that are too far from the sky for noise, if there are
-        any. Weights that were scaled to the noise of the data or changed by another weighting are not compared.
+        Where they agree, a line may report a few visibilities that differ from the sky by more than noise can explain.
+        Weights that were scaled to the noise of the data or changed by another weighting are not compared.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class DataChecks:
         return tuple(line for line in lines if line is not None)
 
     def noise(self, sky: Galaxies, uv_range: UvRange) -> tuple[NoiseEstimate | None, ...]:
-        """Estimate the noise of each part over the one that its weights imply, by means of the residual of a sky."""
+        """Estimate the ratio of each part's noise to the noise that its weights imply, from the residual of a sky."""
         sources = _with_flux(sky)
         found: list[NoiseEstimate | None] = []
         for part, sample in zip(parts_of(self.observation), self.samples, strict=True):
@@ -155,7 +155,7 @@ class DataChecks:
     def with_noise_of_data(self, sky: Galaxies, uv_range: UvRange) -> Observation | None:
         """Return the observation with its scaled parts corrected to their noise; None where nothing is to be corrected.
 
-        The residual of the sky tells how far the noise, as it was estimated before, is off.
+        The residual of the sky shows how far the earlier estimate of the noise is off.
         """
         parts = parts_of(self.observation)
         corrected = tuple(
@@ -183,7 +183,7 @@ class DataChecks:
         attenuation = None
         if self.is_attenuated:
             attenuation = self.model.attenuation(self.observation.phase_centre.dec)
-            # Where it has no effect it would cost ten times as much as the rest.
+            # Where attenuation has no effect, it would cost ten times as much as the rest.
             attenuation = Response.from_sky(sources, samples, attenuation).attenuation
         profile = self.model.profile
         return predict_at_samples(sources, samples, profile, attenuation, self.executor)

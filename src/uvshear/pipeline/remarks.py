@@ -1,10 +1,10 @@
-"""Remarks on the data: checks that may tell something, and that never fail a measurement."""
+"""Remarks on the data, from checks whose failure does not end a measurement."""
 
 from collections.abc import Callable, Sequence
 
 
 def remarks(about: str, check: Callable[[], Sequence[str]]) -> tuple[str, ...]:
-    """Return the lines of a check, or one line that it could not be made.
+    """Return the lines that a check reports, or one line which says that the check could not be made.
 
     Parameters
     ----------

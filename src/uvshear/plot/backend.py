@@ -1,4 +1,4 @@
-"""The import of matplotlib, whose pictures are drawn here without a backend for windows."""
+"""The import of matplotlib, which draws the pictures of this package without an interactive backend."""
 
 import os
 import sys
@@ -13,8 +13,8 @@ BACKEND: Final = "MPLBACKEND"
 def import_matplotlib() -> None:
     """Import matplotlib, even if the environment names a backend that it does not know.
 
-    matplotlib refuses to be imported then, although figures that are only written to files need no backend. A name that
-    it knows is heeded, for the figures of the user's own.
+    In that case the import of matplotlib fails, although figures that are only written to files need no backend. A
+    backend that it knows is selected, for figures that the user draws.
     """
     if "matplotlib" in sys.modules:
         return

@@ -166,7 +166,7 @@ def test_a_field_that_follows_an_ephemeris_is_refused(path):
         fields.putcell("EPHEMERIS_ID", 0, -1)
     MeasurementSet(path)
     change(path, "EPHEMERIS_ID", 2, subtable="FIELD")
-    with pytest.raises(InputError, match=r"field 0 moves \(its position is EPHEMERIS_ID 2"):
+    with pytest.raises(InputError, match=r"field 0 moves \(it follows EPHEMERIS_ID 2"):
         MeasurementSet(path)
 
 

@@ -28,7 +28,7 @@ def test_a_part_without_a_file_is_counted_and_told_of(write, zarr_format):
     assert missing_parts(path / "field_0", "VISIBILITY") == (1, 4)
     (notice,) = Msv4Store(path).notices()
     assert notice.startswith(
-        "1 of the 4 parts of field_0/VISIBILITY have no file, as in an incomplete"
+        "1 of the 4 zarr chunks of field_0/VISIBILITY have no file, as in an incomplete"
     )
 
 

@@ -1,4 +1,4 @@
-"""Baselines and the distances of the antennas of a Measurement Set."""
+"""Comparison of UVW with the distances between the antennas of a Measurement Set."""
 
 from pathlib import Path
 

@@ -11,7 +11,7 @@ from uvshear.io.measurement_set.opening import casacore_errors
 from uvshear.typing import Array, Float
 
 TOLERANCE: Final = 0.01
-"""Relative difference that is rounding."""
+"""Relative difference that is attributed to rounding."""
 
 ROWS_COMPARED: Final = 2**20
 """Number of rows whose EXPOSURE is compared with INTERVAL."""
@@ -31,8 +31,8 @@ def averaging_time(
     start, count
         Rows to read.
     is_averaged
-        Whether the channels of these rows are averages. Their times are averages then as well, and an EXPOSURE of 0 is
-        one that was not filled, for which INTERVAL is taken, as it is for one that is no number or negative.
+        Whether the channels of these rows are averages. The visibilities are then averages over time as well, so that
+        an EXPOSURE of 0 was not filled. INTERVAL is taken instead of an EXPOSURE that is 0, negative or not finite.
     """
     columns = [name for name in ("EXPOSURE", "INTERVAL") if name in main.colnames()]
     if not columns:
@@ -70,11 +70,11 @@ def averaging_notice(main: tables.table, rows: Sequence[int], *, is_averaged: bo
         )
     if "EXPOSURE" not in columns:
         return None
-    return "EXPOSURE is 0 although the channels are averages; times are taken to be averages over INTERVAL"
+    return "EXPOSURE is 0 although the channels are averages; visibilities are taken to be averages over INTERVAL"
 
 
 def rows_beyond_interval(main: tables.table) -> int:
-    """Count the rows, among the first million, whose EXPOSURE is longer than INTERVAL, in which it must lie."""
+    """Count the rows, among the first million, whose EXPOSURE is longer than INTERVAL, which it cannot exceed."""
     if not {"EXPOSURE", "INTERVAL"} <= set(main.colnames()):
         return 0
     exposure, interval = (

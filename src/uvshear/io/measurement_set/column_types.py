@@ -35,7 +35,7 @@ OF_SAMPLES: Final[Mapping[str, frozenset[str]]] = {
 
 
 def check_types(path: Path, main: tables.table) -> None:
-    """Refuse columns that hold something else than the numbers that every Measurement Set has in them."""
+    """Refuse columns whose data type, or kind of cell, is not that of a Measurement Set."""
     for known, what in ((OF_ROWS, "one value"), (OF_SAMPLES, "an array")):
         for name in known.keys() & set(main.colnames()):
             kind = str(main.coldatatype(name))

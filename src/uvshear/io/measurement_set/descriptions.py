@@ -29,10 +29,10 @@ CORRELATIONS: Final = {
 """Names of CORR_TYPE codes (casacore, Stokes::StokesTypes)."""
 
 OVERLAP: Final = 0.5
-"""Step of neighbouring channels over their width below which they overlap."""
+"""Ratio of the spacing of neighbouring channels to their width below which they are said to overlap."""
 
 WIDEST: Final = 4.0
-"""EFFECTIVE_BW over CHAN_WIDTH above which one of them is wrong; after Hanning smoothing the ratio is 2.67."""
+"""Ratio of EFFECTIVE_BW to CHAN_WIDTH above which one of them is wrong; after Hanning smoothing it is 2.67."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class DataDescription:
 
 
 def read_descriptions(path: Path, present: Sequence[int]) -> tuple[DataDescription, ...]:
-    """Read the descriptions of those DATA_DESC_IDs that have rows; others may say what they like."""
+    """Read the descriptions of those DATA_DESC_IDs that have rows; the others are not checked."""
     with (
         open_table(path, "DATA_DESCRIPTION") as subtable,
         casacore_errors(path, "DATA_DESCRIPTION"),
@@ -180,7 +180,7 @@ def _read(
 
 
 def _numbers(name: str, table: tables.table, column: str, row: int) -> Float[Array, "..."]:
-    """Return a cell of numbers, or say that there is none."""
+    """Return a cell of numbers; refuse one that is not filled or holds something else."""
     if column not in table.colnames() or not table.iscelldefined(column, row):
         raise InputError(f"{name}: {column} is not filled; it is needed")
     values = np.asarray(table.getcell(column, row))

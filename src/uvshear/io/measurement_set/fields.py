@@ -54,8 +54,9 @@ def choose_field(path: Path, present: Sequence[int], wanted: int | str | None) -
     present
         FIELD_IDs that have rows.
     wanted
-        FIELD_ID, or a name; a text that is no name but a number is a FIELD_ID. None is enough where there is only one
-        field. All rows of FIELD that share the name and the phase centre of the one that is wanted are one field.
+        FIELD_ID or name; text that is not the name of a field, but a number, is a FIELD_ID. None is enough where there
+        is only one field. All rows of FIELD that share the name and the phase centre of the one that is wanted are one
+        field.
     """
     names = _names(path)
     known = [number for number in present if number in names]
@@ -155,7 +156,7 @@ def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCe
         )
     if ephemeris >= 0:
         raise InputError(
-            f"{path}: field {field} moves (its position is EPHEMERIS_ID {ephemeris}); a fixed direction is needed"
+            f"{path}: field {field} moves (it follows EPHEMERIS_ID {ephemeris}); a fixed direction is needed"
         )
     if len(direction) < 2 or direction.dtype.kind not in "fiu":
         raise InputError(
@@ -174,7 +175,7 @@ def read_direction(path: Path, field: int, column: str = "PHASE_DIR") -> PhaseCe
 
 
 def _frame(path: Path, fields: tables.table, column: str, field: int) -> str:
-    """Return the frame of a direction, which is that of the column or another one in each row."""
+    """Return the frame of a direction, which is given once for the column or separately for each row."""
     reference = fields.getcolkeywords(column).get("MEASINFO", {})
     if not isinstance(reference, dict):
         raise InputError(
@@ -212,7 +213,7 @@ def read_pointing(path: Path, field: int) -> PhaseCentre:
     """Read the pointing direction of the dishes in a field.
 
     That is REFERENCE_DIR of FIELD, or DELAY_DIR in a set without: a change of the phase centre after the observation
-    changes PHASE_DIR only. A set with neither is taken to have the phase centre of the observation.
+    changes PHASE_DIR only. In a set with neither, the phase centre is taken to be that of the observation.
     """
     with open_table(path, "FIELD") as fields:
         present = [

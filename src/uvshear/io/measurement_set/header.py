@@ -136,7 +136,7 @@ def read_fields(path: Path) -> tuple[NamedField, ...]:
 
 
 _KEYWORDS: Final = ("MS_VERSION", "SPECTRAL_WINDOW")
-"""Keywords by which a Measurement Set is told from other tables."""
+"""Keywords by which a Measurement Set is distinguished from other tables."""
 
 
 def check_is_measurement_set(path: Path) -> None:

@@ -60,7 +60,7 @@ class MeasurementSet:
     scans
         SCAN_NUMBERs to read; all unless given.
     conjugates
-        Whether UVW is taken with the opposite sign, for a set whose visibilities do not follow the stored one.
+        Whether UVW is taken with the opposite sign, for a set whose visibilities do not agree with the stored sign.
     subtracted
         Column of a model that is subtracted from the visibilities: MODEL_DATA.
     """

@@ -11,15 +11,15 @@ from casacore import tables
 from uvshear.errors import InputError
 
 WITHOUT_LOCK: Final = "autonoread"
-"""Way of opening that needs no lock to read. With a lock, casacore would wait for as long as another process has the
-set open for writing, and could not be interrupted."""
+"""Lock option of casacore with which reading needs no lock. With a lock, casacore would wait for as long as another
+process has the set open for writing, and could not be interrupted."""
 
 
 NO_STORAGE_MANAGER: Final = (
     re.compile(r"Shared library (\w+) not found"),
     re.compile(r"Data Manager class (\S+) is not registered"),
 )
-"""casacore's words for a storage manager that it does not have. The name of the library is in lower case."""
+"""casacore's error messages about a storage manager that is not installed. In the first, its name is in lower case."""
 
 
 @contextmanager
@@ -36,15 +36,15 @@ def casacore_errors(path: Path, what: str) -> Iterator[None]:
 
 
 def _no_storage_manager(path: Path, what: str, name: str) -> str:
-    """Say what to do about a table whose storage manager is not there, by the name that table.dat has for it."""
+    """Say what to do about a table whose storage manager is not installed, with its name as table.dat spells it."""
     try:
         known = re.search(rf"(?i){re.escape(name)}\b".encode(), (path / "table.dat").read_bytes())
     except OSError:
         known = None
     called = name if known is None else known[0].decode()
     return (
-        f"{path}: {what} has columns in {called}, a storage manager that is not part of this casacore; write the set"
-        f" anew where it is, for example with DP3 msin={path.name} msout=PLAIN.ms steps=[] msout.storagemanager="
+        f"{path}: {what} has columns in {called}, a storage manager that is not part of this casacore; rewrite the set"
+        f" where it is installed, for example with DP3 msin={path.name} msout=PLAIN.ms steps=[] msout.storagemanager="
     )
 
 

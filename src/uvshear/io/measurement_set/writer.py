@@ -48,8 +48,8 @@ SAME_SHAPE_COLUMNS: Final = ("UVW", "WEIGHT", "SIGMA")
 """Tiled columns whose description fixes the shape of the cells.
 
 The shape of the others depends on the number of channels, and is left open: where it was fixed, CASA's concat appended
-a set of another number of channels without its visibilities, and did not say so. An open shape costs 2 us for each row
-that is written, and nothing when it is read.
+a set with another number of channels without its visibilities, and without a warning. An open shape costs 2 us for
+each row that is written, and nothing when it is read.
 """
 
 

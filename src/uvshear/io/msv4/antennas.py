@@ -21,7 +21,7 @@ _Known: TypeAlias = tuple[Float[Array, " coordinate"], float]
 
 @dataclass(frozen=True)
 class Antennas:
-    """Antennas by name, whose numbers are their places in this list.
+    """Antennas of a store; the number of an antenna is its index in the list of names.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def baseline_names(place: Path, partition: Dataset) -> tuple[tuple[str, ...], tu
 def read_antennas(places: Sequence[Path]) -> Antennas:
     """Read the antennas of some partitions, each antenna once.
 
-    Antennas of which nothing is known but that they are on a baseline have no position. Visibilities can be used
+    An antenna that a baseline names but ``antenna_xds`` does not describe has no position. Visibilities can be used
     without positions and diameters, but not if two antennas of a partition have the same name.
     """
     known: dict[str, _Known] = {}

@@ -15,15 +15,17 @@ from uvshear.io.msv4.partition import EXPOSURE, INTERVAL, WEIGHT_OF_SIGMA, Parti
 from uvshear.typing import Array, Bool, Float, Int
 
 HELD: Final = 8
-"""Size of the largest part of a store that is read at once, as a multiple of the size of the blocks that are passed on.
+"""Largest size of the zarr chunks that are read at once, as a multiple of the size of the blocks that are passed on.
 
-A part of the times is stored together and can only be unpacked as a whole: with blocks of 32 MB (``memory``), parts of
-up to 256 MB are read once and then divided, as those that xradio writes. Larger ones are unpacked several times."""
+A zarr chunk holds several times and can only be decompressed as a whole. With blocks of 32 MB (``memory``), chunks of
+up to 256 MB, such as those that xradio writes, are read once and then divided. Larger ones are decompressed several
+times.
+"""
 
 
 @dataclass(frozen=True)
 class BlockChoice:
-    """What is read of a partition.
+    """What is to be read from a partition.
 
     Parameters
     ----------
@@ -117,7 +119,7 @@ class _BlockReader:
         return found if chosen.all() else found.select(chosen.ravel())
 
     def _steps_together(self, fitting: int, most: int) -> int:
-        """Return how many times are read together, in whole parts of the store where these are not too large."""
+        """Return how many times are read together: those of whole zarr chunks, unless these are too large."""
         found = self.group[self.names.visibilities]
         parts = found.encoding.get("chunks")
         if not parts or len(parts) != found.ndim:
@@ -130,7 +132,7 @@ class _BlockReader:
         return part if part * size <= most else fitting
 
     def _numbers(self, name: str, place: dict[str, slice], dimensions: tuple[str, ...]) -> Array:
-        """Read a part of a variable, with an axis of one for each dimension that it does not have."""
+        """Read a part of a variable, with an axis of length 1 for each dimension that it does not have."""
         found = self.group[name]
         taken = {axis: part for axis, part in place.items() if axis in found.dims}
         if "polarization" in found.dims:
@@ -155,7 +157,7 @@ class _BlockReader:
         name = self.names.flags
         if not self.choice.heeds_flags or name not in self.group.variables:
             return np.zeros(shape, bool)
-        # Flags may be bits, each for one reason.
+        # Flags may be bit masks, in which each bit stands for one reason.
         return np.broadcast_to(self._numbers(name, place, CORRELATED_DIMENSIONS) != 0, shape)
 
     def _weights(self, place: dict[str, slice], shape: tuple[int, ...]) -> Float[Array, "..."]:
@@ -170,8 +172,8 @@ class _BlockReader:
     def _interval(self, place: dict[str, slice], counts: tuple[int, int]) -> Float[Array, "..."]:
         """Return the time that each row was averaged over [s]; NaN in padding.
 
-        That is EFFECTIVE_INTEGRATION_TIME, or the nominal time in a store without it. If the channels are averages, so
-        are the times, and a time of 0 is one that was not filled, for which the nominal time is taken.
+        That is EFFECTIVE_INTEGRATION_TIME, or the nominal time in a store without it. If the channels are averages, the
+        visibilities are averages over time as well: a time of 0 was then not filled, and the nominal time is taken.
         """
         nominal = self._time_of(INTERVAL, place, counts)
         if nominal is None:
@@ -196,13 +198,13 @@ class _BlockReader:
     def _is_padding(
         self, uvw: Float[Array, "step baseline 3"], place: dict[str, slice]
     ) -> Bool[Array, "step baseline"]:
-        """Tell where a baseline has no visibility at a time: writers fill all that they do not have with NaN."""
+        """Tell where a baseline has no visibility at a time: writers fill missing values with NaN."""
         padding = np.isnan(uvw).all(axis=2)
         exposure = self._time_of(EXPOSURE, place, padding.shape) if padding.any() else None
         return padding if exposure is None else padding & np.isnan(exposure)
 
 
 def _longest(times: Float[Array, "step baseline chan corr"]) -> Float[Array, "step baseline"]:
-    """Return the longest time of each row, whose samples may have several; NaN where there is none."""
+    """Return the longest time of each row, whose samples may have different times; NaN where there is none."""
     longest = np.where(np.isnan(times), -np.inf, times).max(axis=(2, 3))
     return np.where(np.isneginf(longest), np.nan, longest)

@@ -37,7 +37,7 @@ class FieldLabel:
     label
         The name as the store has it.
     name
-        The name of the field: xradio adds its FIELD_ID in the Measurement Set to this.
+        The name of the field, without the FIELD_ID of the Measurement Set, which xradio appends.
     number
         The FIELD_ID; None where it is not known.
     """
@@ -48,7 +48,7 @@ class FieldLabel:
 
     @classmethod
     def from_label(cls, label: str, attributes: Mapping[str, Any]) -> "FieldLabel":
-        """Split the name of a field in a partition of some attributes."""
+        """Split the name of a field in a partition with these attributes into name and FIELD_ID."""
         creator = attributes.get("creator")
         software = creator.get("software_name") if isinstance(creator, dict) else None
         split = re.fullmatch(r"(.*)_(\d{1,9})", label, re.DOTALL) if software == "xradio" else None
@@ -92,7 +92,7 @@ class StoreField:
 
 
 FieldPlaces = Mapping[FieldLabel, Sequence[Path]]
-"""Subgroups of fields in which each name with visibilities is described."""
+"""For each field name that has visibilities, the subgroups that describe it."""
 
 
 def choose_field(path: Path, present: FieldPlaces, wanted: int | str | None) -> StoreField:

@@ -8,7 +8,7 @@ from typing import Any, Final
 from uvshear.errors import InputError
 
 METADATA_FILES: Final = ("zarr.json", ".zgroup", ".zarray", ".zmetadata")
-"""Files by which a directory is known to be part of a zarr store: the first in format 3, the others in format 2."""
+"""Files by which a directory is recognised as part of a zarr store: the first in format 3, the others in format 2."""
 
 DEEPEST: Final = 4
 """Number of levels below a store in which groups of visibilities are looked for; converters use one or two."""
@@ -56,7 +56,7 @@ def attributes(group: Path) -> Mapping[str, Any]:
 
 
 def _groups(path: Path, levels: int) -> Iterator[Path]:
-    """Yield a group and those below it; the subgroups of a group of visibilities have no others."""
+    """Yield a group and those below it; below a group of visibilities there are no others of this type."""
     if not _is_group(path):
         return
     yield path

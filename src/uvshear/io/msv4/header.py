@@ -47,7 +47,7 @@ class StoreHeader:
 
 
 def read_partitions(path: Path, column: str) -> tuple[Partition, ...]:
-    """Read what describes the groups of visibilities of a store."""
+    """Read the descriptions of the groups of visibilities of a store."""
     if not path.exists():
         raise InputError(f"{path}: no such file; the path of an MSv4 store is needed")
     found = tuple(read_partition(group, column) for group in correlated_groups(path))
@@ -57,7 +57,7 @@ def read_partitions(path: Path, column: str) -> tuple[Partition, ...]:
 
 
 def fields_with_rows(partitions: Sequence[Partition]) -> dict[FieldLabel, list[Path]]:
-    """Return the names of fields that have visibilities, with the groups that describe them; by number where known."""
+    """Return the names of fields that have visibilities, in order of FIELD_ID, with the groups that describe them."""
     found: dict[FieldLabel, list[Path]] = {}
     for partition in partitions:
         creator = attributes(partition.group)

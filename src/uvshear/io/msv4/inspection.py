@@ -35,7 +35,7 @@ def inspect_store(path: Path, reading: Reading) -> Inspection:
 
 
 def _readings(present: tuple[StoreField, ...], reading: Reading) -> Iterator[Reading]:
-    """Yield a reading for each field, by its name where this stands for several names of the store."""
+    """Yield a reading for each field, which is chosen by its name if it has several names in the store."""
     names = [field.name for field in present]
     for field in present:
         is_named = len(field.labels) > 1 and names.count(field.name) == 1

@@ -1,4 +1,4 @@
-"""Parts of the visibilities that are not in an MSv4 store, as after a copy that was interrupted."""
+"""Zarr chunks of visibilities that are missing in an MSv4 store, as after a copy that was interrupted."""
 
 from pathlib import Path
 
@@ -6,10 +6,10 @@ from uvshear.io.msv4.opening import zarr_errors
 
 
 def missing_parts(group: Path, name: str) -> tuple[int, int]:
-    """Return how many of the parts of a variable have no file, and how many parts there are.
+    """Return how many of the zarr chunks of a variable have no file, and how many chunks there are.
 
-    A writer leaves out parts in which everything has the value that stands for no data. For visibilities this is 0,
-    which no part that was observed has everywhere.
+    Writers leave out a chunk in which every value is the fill value. For visibilities this is 0, and no chunk that was
+    observed is 0 everywhere.
     """
     import zarr  # noqa: PLC0415
 

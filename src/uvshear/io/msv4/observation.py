@@ -51,7 +51,7 @@ class Msv4Store:
     scans
         Names of the scans to read, which must be numbers; all unless given.
     conjugates
-        Whether UVW is taken with the opposite sign, for a store whose visibilities do not follow the stored one.
+        Whether UVW is taken with the opposite sign, for a store whose visibilities do not agree with the stored sign.
     subtracted
         Variable of a model that is subtracted from the visibilities, named as a column is.
     """
@@ -149,8 +149,8 @@ class Msv4Store:
             missing, parts = missing_parts(partition.group, name)
             if missing:
                 found.append(
-                    f"{missing} of the {parts} parts of {partition.group.name}/{name} have no file, as in an incomplete"
-                    " copy; visibilities in them are taken to be 0"
+                    f"{missing} of the {parts} zarr chunks of {partition.group.name}/{name} have no file, as in an"
+                    " incomplete copy; visibilities in them are taken to be 0"
                 )
         if (notice := self.header.extent.notice) is not None:
             found.append(notice)

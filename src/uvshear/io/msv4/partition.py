@@ -18,7 +18,7 @@ from uvshear.io.msv4.variables import check_dimensions, quantity
 from uvshear.typing import Array, Int
 
 SCHEMA: Final = "4"
-"""First part of the version of the schema."""
+"""Major version of the schema that can be read."""
 
 PROBES: Final = 16
 """Number of times, spread over a partition, by which a variable is judged."""
@@ -97,19 +97,19 @@ class Partition:
         if not self.times.has_exposure:
             return None
         return (
-            f"{EXPOSURE} is 0 although the channels are averages; times are taken to be averages over"
+            f"{EXPOSURE} is 0 although the channels are averages; visibilities are taken to be averages over"
             " integration_time"
         )
 
 
 def read_partition(group: Path, column: str) -> Partition:
-    """Read what describes a partition, and check it; an error is one line."""
+    """Read the description of a partition, and check it; an error is one line."""
     with open_group(group) as partition:
         _check_version(group, partition)
         variables = choose_data_group(group, partition, column)
         _check_variables(group, partition, variables)
         times = _averaging_times(group, partition)
-        # The widths of channels are always there, but the bands that they were averaged over seldom.
+        # Stores always give the widths of channels, but seldom the bands that these were averaged over.
         is_sampled = times.has_exposure and not times.is_exposed and _is_simulated(partition.attrs)
         setup = read_setup(group, partition, is_sampled=is_sampled)
         named = read_field_names(group / variables.field_and_source)
@@ -127,7 +127,7 @@ def filled_weights(partition: Partition, steps: Sequence[int]) -> str:
 
 
 def probed(steps: Int[Array, " step"]) -> list[int]:
-    """Return some times that are spread over these."""
+    """Return a few of these times, which are spread over all of them."""
     if not len(steps):
         return []
     chosen = np.unique(np.linspace(0, len(steps) - 1, PROBES).astype(int))

@@ -51,7 +51,7 @@ def read_setup(place: Path, partition: Dataset, *, is_sampled: bool) -> Spectral
     partition
         The partition.
     is_sampled
-        Whether its visibilities are samples, not averages, if EFFECTIVE_CHANNEL_WIDTH does not tell.
+        Whether its visibilities are samples, not averages; this matters only without EFFECTIVE_CHANNEL_WIDTH.
     """
     frequency = numbers(place, partition, "frequency", ("frequency",))
     unit = unit_of(partition["frequency"].attrs)

@@ -16,8 +16,8 @@ DAY: Final = 86400.0
 """One day [s]."""
 
 EPOCHS: Final = {"unix": 40587 * DAY, "mjd": 0.0, "cxcsec": 50814 * DAY, "gps": 44244 * DAY}
-"""Modified Julian Date of the zero of each format of times [s]. Leap seconds are neglected, as no phase depends on the
-time."""
+"""Modified Julian Date of the zero point of each time format [s]. Leap seconds are neglected, as no phase depends on
+the time."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Variables of an MSv4 group: the checks of what they hold, and of the units and quantities in attributes."""
+"""Variables of an MSv4 group, with checks of their content, and the quantities and units in attributes."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -34,7 +34,7 @@ def numbers(
 def check_dimensions(
     place: Path, name: str, found: Sequence[str], needed: Sequence[str], *, all_of: bool = True
 ) -> None:
-    """Refuse a variable with other dimensions, or, unless ``all_of`` is set, with others than some of these."""
+    """Refuse a variable that does not have these dimensions: all of them, or only some of them without ``all_of``."""
     if not (set(found) == set(needed) if all_of else set(found) <= set(needed)):
         raise InputError(
             f"{place}: {name} has the dimensions ({', '.join(map(str, found))}); ({', '.join(needed)})"
@@ -51,7 +51,7 @@ def texts(place: Path, group: Dataset, name: str) -> tuple[str, ...]:
 
 
 def quantity(holder: Mapping[str, Any], name: str) -> Float[Array, " value"] | None:
-    """Return a number, or several, that an attribute holds as a dictionary with the entry ``data``; None without."""
+    """Return the numbers in an attribute, which may be a dictionary with the entry ``data``; None if there are none."""
     found = holder.get(name)
     value = found.get("data") if isinstance(found, dict) else found
     try:
