@@ -64,6 +64,7 @@ def test_moments_do_not_know_the_profile(experiment, moments):
     assert np.all(np.abs(total.m) < 5e-3)
 
 
+@pytest.mark.long
 def test_moments_bear_known_errors_of_the_position(experiment):
     sigma = 0.3 * ARCSEC
     scattered = replace(experiment, position_sigma=sigma)
@@ -71,6 +72,7 @@ def test_moments_bear_known_errors_of_the_position(experiment):
     assert np.all(np.abs(known.m) < 3e-3 + 3 * known.m_err)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("executor", [Threads(2), Processes(2)])
 def test_the_executor_changes_no_bit(experiment, moments, executor):
     alone = estimate_isolated_bias(experiment, moments, 100)
@@ -119,6 +121,7 @@ def test_a_narrow_cut_leaves_enough_galaxies_for_a_first_guess(experiment):
     assert counting.counted[0j] / 4 > 80
 
 
+@pytest.mark.long
 def test_the_papers_shear_moves_no_sizes_and_shows_it(bright, moments):
     """A lens that leaves alpha is none: the response of moments to it is less by a tenth or so."""
     legacy = replace(bright, lens=shear_at_fixed_scale_length)
