@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import pytest
 
+from tests.arrays import EIGHT_ANTENNAS
 from uvshear.cli.application import run
 
 
@@ -44,16 +45,7 @@ def catalogue(tmp_path: Path) -> Path:
 def layout(tmp_path: Path) -> Path:
     """Eight antennas over 30 km, which resolve galaxies of one arcsecond."""
     path = tmp_path / "array.txt"
-    path.write_text(
-        "5108065 2007720 -3239409 15 A\n"
-        "5108936 2010295 -3236441 15 B\n"
-        "5113802 2006061 -3231388 15 C\n"
-        "5117225 1997993 -3230986 15 D\n"
-        "5117377 1990481 -3235398 13.5 E\n"
-        "5108654 2001167 -3242538 13.5 F\n"
-        "5103811 2003920 -3248473 13.5 G\n"
-        "5099457 2011820 -3250448 13.5 H\n"
-    )
+    path.write_text(EIGHT_ANTENNAS)
     return path
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from astropy.table import Table
 from casacore import tables
 
+from tests.arrays import EIGHT_ANTENNAS
 from tests.io.measurement_set.varied_sets import LINEAR, Window, write_varied
 from uvshear.cli.application import run
 from uvshear.constants import MICROJANSKY
@@ -17,17 +18,6 @@ from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.predict import predict_visibilities
 
-LAYOUT = """\
-# eight antennas over 30 km, which resolve galaxies of one arcsecond
-5108065 2007720 -3239409 15 A
-5108936 2010295 -3236441 15 B
-5113802 2006061 -3231388 15 C
-5117225 1997993 -3230986 15 D
-5117377 1990481 -3235398 13.5 E
-5108654 2001167 -3242538 13.5 F
-5103811 2003920 -3248473 13.5 G
-5099457 2011820 -3250448 13.5 H
-"""
 RA = np.array([30.006, 29.996, 29.988, 30.01])
 DEC = np.array([-30.001, -30.006, -29.994, -29.992])
 FLUX = np.array([50.0, 90.0, 30.0, 60.0])
@@ -71,7 +61,7 @@ POPULATION = {
 
 def write_clean_inputs(directory: Path) -> None:
     """Write all clean inputs into an empty directory."""
-    (directory / "array.txt").write_text(LAYOUT)
+    (directory / "array.txt").write_text(EIGHT_ANTENNAS)
     _write_catalogues(directory)
     _run(
         *("simulate", "--layout", directory / "array.txt", "--catalogue", directory / "cat.ecsv"),

@@ -10,7 +10,14 @@ import pytest
 from casacore import tables
 
 from tests.io.measurement_set.varied_sets import Window, write_varied
-from tests.io.measurement_sets import change, real_set, simulated, with_rows, written
+from tests.io.measurement_sets import (
+    averaged_by_baseline,
+    change,
+    real_set,
+    simulated,
+    with_rows,
+    written,
+)
 from tests.io.msv4.rows import assert_same, rows_of
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.io.measurement_set.observation import MeasurementSet
@@ -110,18 +117,7 @@ def test_windows_are_partitions(tmp_path: Path) -> None:
 
 
 def test_baseline_dependent_averages_are_a_grid_with_gaps(tmp_path: Path, script: str) -> None:
-    ms = written(tmp_path, is_averaged=True)
-    with tables.table(str(ms), readonly=False, ack=False) as main:
-        first, second, time = (main.getcol(name) for name in ("ANTENNA1", "ANTENNA2", "TIME"))
-        short = (second - first == 1).nonzero()[0]
-        even = np.isin(time[short], np.unique(time)[::2])
-        for name in ("EXPOSURE", "INTERVAL"):
-            values = main.getcol(name)
-            values[short] = 120.0
-            main.putcol(name, values)
-        time[short] += 30.0
-        main.putcol("TIME", time)
-    ms = with_rows(ms, np.setdiff1d(np.arange(1680), short[~even]))
+    ms = averaged_by_baseline(tmp_path)
     store = Msv4Store(converted(script, ms))
     assert len(store.header.partitions[0].timeline) == 90
     assert_same(store, MeasurementSet(ms))

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.arrays import EIGHT_ANTENNAS
 from tests.cli.processes import PACKAGE, environment
 from tests.kills.commands import COMMANDS
-from tests.situations.conftest import LAYOUT
 
 ROOT = Path(__file__).parents[2]
 
@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 def layout(tmp_path: Path) -> Path:
     """Write the array of all observations."""
     path = tmp_path / "array.txt"
-    path.write_text(LAYOUT)
+    path.write_text(EIGHT_ANTENNAS)
     return path
 
 

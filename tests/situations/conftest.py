@@ -7,25 +7,16 @@ from pathlib import Path
 import pytest
 from astropy.table import Table
 
+from tests.arrays import EIGHT_ANTENNAS
 from tests.situations.situation import Files
 from uvshear.cli.application import run
-
-LAYOUT = """5108065 2007720 -3239409 15 A
-5108936 2010295 -3236441 15 B
-5113802 2006061 -3231388 15 C
-5117225 1997993 -3230986 15 D
-5117377 1990481 -3235398 13.5 E
-5108654 2001167 -3242538 13.5 F
-5103811 2003920 -3248473 13.5 G
-5099457 2011820 -3250448 13.5 H
-"""
 
 
 @pytest.fixture(scope="session")
 def clean(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Table]:
     """Return the directory of the clean files, and the shapes of the clean measurement."""
     directory = tmp_path_factory.mktemp("clean")
-    (directory / "array.txt").write_text(LAYOUT)
+    (directory / "array.txt").write_text(EIGHT_ANTENNAS)
     for words in (
         "catalogue --field-arcmin 3 --count 3 --flux-ujy 50 100 --seed 5 --ra-deg 60 --declination-deg -30"
         " -o {}/cat.ecsv",

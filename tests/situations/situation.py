@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -114,4 +114,4 @@ class Situation:
     make: Callable[[Files], object]
     expected: Expected = SAME
     words: str = "measure {}/field.ms --catalogue {}/cat.ecsv -o {}/out.fits"
-    informs: bool = field(default=False)
+    informs: bool = False

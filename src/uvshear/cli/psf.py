@@ -212,8 +212,6 @@ def reserve_pictures(
     """Refuse pictures that cannot be written, before anything is computed for them, and reserve them."""
     from uvshear.io.outputs import check_file
 
-    if pictures[0] == pictures[1]:
-        raise InputError(f"--output and --uv-output: both are {pictures[0]}; give two names")
     for path in pictures:
         check_file(path, overwrite=overwrite)
     reserve(context, pictures, measurement_sets)

@@ -1,6 +1,6 @@
 """Rows of correlations, as a reader finds them in a file: they are combined into Stokes I and counted."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Self
@@ -99,6 +99,19 @@ def hands_slice(hands: Sequence[int]) -> slice:
     """Return the slice that takes the correlations of Stokes I from all of them: unlike a list, it copies nothing."""
     first, last = min(hands), max(hands)
     return slice(first, last + 1, max(1, last - first))
+
+
+def usable_chunks(
+    path: Path, chunks: Iterable[Visibilities], scans: Sequence[int] | None
+) -> Iterator[Visibilities]:
+    """Yield the chunks that have rows, and refuse a field at its end if no visibility could be used."""
+    total = SampleCounts()
+    for seen in chunks:
+        if seen.counts is not None:
+            total += seen.counts
+        if len(seen):
+            yield seen
+    check_usable(path, total, scans)
 
 
 def check_usable(path: Path, counts: SampleCounts, scans: Sequence[int] | None) -> None:

@@ -57,10 +57,13 @@ class NewOutputs:
 @contextmanager
 def new_outputs(beside: Path) -> Iterator[NewOutputs]:
     """Yield outputs in the directory of one of them; they get their names if the block ends without an error."""
-    with unfinished_directory(beside) as directory:
-        outputs = NewOutputs(directory)
-        yield outputs
-        outputs.place()
+    try:
+        with unfinished_directory(beside) as directory:
+            outputs = NewOutputs(directory)
+            yield outputs
+            outputs.place()
+    except OSError as error:
+        raise InputError(f"{beside}: cannot be written: {error.strerror or error}") from error
 
 
 @contextmanager
@@ -70,11 +73,8 @@ def new_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
         yield path  # one of several outputs, which get their names together
         return
     check_file(path, overwrite=overwrite)
-    try:
-        with new_outputs(path) as outputs:
-            yield outputs.new(path, overwrite=overwrite)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from error
+    with new_outputs(path) as outputs:
+        yield outputs.new(path, overwrite=overwrite)
 
 
 def check_output(path: Path, *, overwrite: bool) -> None:

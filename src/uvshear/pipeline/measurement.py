@@ -111,17 +111,12 @@ class Measurement:
         shapes.meta[RUN] = made[RUN]
         # A companion without its table was left by a table that is gone.
         replaces = overwrite or not target.exists()
-        try:
-            with new_outputs(target) as outputs:
-                if self.statistics is not None:
-                    write_statistics(
-                        outputs.new(statistics, overwrite=replaces), self.statistics, made
-                    )
-                if self.sky is not None:
-                    write_catalogue(outputs.new(sky, overwrite=replaces), self.sky, made)
-                write_shapes(outputs.new(target, overwrite=overwrite), shapes)
-        except OSError as error:
-            raise InputError(f"{target}: cannot be written: {error.strerror or error}") from error
+        with new_outputs(target) as outputs:
+            if self.statistics is not None:
+                write_statistics(outputs.new(statistics, overwrite=replaces), self.statistics, made)
+            if self.sky is not None:
+                write_catalogue(outputs.new(sky, overwrite=replaces), self.sky, made)
+            write_shapes(outputs.new(target, overwrite=overwrite), shapes)
         # Files of an earlier measurement would be refused beside this one.
         for file, content in ((statistics, self.statistics), (sky, self.sky)):
             if content is None and file.exists() and run_in_file(file) is not None:

@@ -9,7 +9,14 @@ import xarray as xr
 from casacore import tables
 
 from tests.io.measurement_set.varied_sets import Window, write_varied
-from tests.io.measurement_sets import PHASE_CENTRE, change, simulated, with_rows, written
+from tests.io.measurement_sets import (
+    PHASE_CENTRE,
+    averaged_by_baseline,
+    change,
+    simulated,
+    with_rows,
+    written,
+)
 from tests.io.msv4.rows import assert_same, rows_of
 from tests.io.msv4_stores import FIELDS, tree_of, write_tree
 from uvshear.constants import ARCSEC
@@ -93,18 +100,7 @@ def test_baselines_that_are_missing_at_some_times_are_no_rows(tmp_path):
 
 def test_baseline_dependent_averages_keep_their_times(tmp_path):
     """Short baselines are averaged over twice the time of the others, and have times of their own."""
-    ms = written(tmp_path, is_averaged=True)
-    with tables.table(str(ms), readonly=False, ack=False) as main:
-        first, second, time = (main.getcol(name) for name in ("ANTENNA1", "ANTENNA2", "TIME"))
-        short = (second - first == 1).nonzero()[0]
-        even = np.isin(time[short], np.unique(time)[::2])
-        for name in ("EXPOSURE", "INTERVAL"):
-            values = main.getcol(name)
-            values[short] = 120.0
-            main.putcol(name, values)
-        time[short] += 30.0
-        main.putcol("TIME", time)
-    ms = with_rows(ms, np.setdiff1d(np.arange(1680), short[~even]))
+    ms = averaged_by_baseline(tmp_path)
     tree = tree_of(ms)
     assert tree["field_0"].sizes["time"] == 90
     assert_same(Msv4Store(write_tree(tree, tmp_path / "store")), MeasurementSet(ms))

@@ -11,22 +11,9 @@ from casacore import tables
 from uvshear.constants import RADIO_FREQUENCIES
 from uvshear.errors import InputError
 from uvshear.interferometer.spectral_window import Channels
-from uvshear.interferometer.stokes import STOKES_I, parallel_hands
+from uvshear.interferometer.stokes import CORRELATION_NAMES, STOKES_I, parallel_hands
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
 from uvshear.typing import Array, Float
-
-CORRELATIONS: Final = {
-    1: "I",
-    5: "RR",
-    6: "RL",
-    7: "LR",
-    8: "LL",
-    9: "XX",
-    10: "XY",
-    11: "YX",
-    12: "YY",
-}
-"""Names of CORR_TYPE codes (casacore, Stokes::StokesTypes)."""
 
 OVERLAP: Final = 0.5
 """Ratio of the spacing of neighbouring channels to their width below which they are said to overlap."""
@@ -70,7 +57,7 @@ class DataDescription:
         """Name of the correlation that alone is taken as Stokes I; None where two are, or where it is Stokes I."""
         if len(self.hands) > 1 or self.types[self.hands[0]] == STOKES_I:
             return None
-        return CORRELATIONS[self.types[self.hands[0]]]
+        return CORRELATION_NAMES[self.types[self.hands[0]]]
 
     @property
     def oddities(self) -> tuple[str, ...]:

@@ -12,15 +12,14 @@ from casacore import tables
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.origin import Origin
-from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.visibilities import Integrations, Visibilities
 from uvshear.io.correlated_rows import (
     BYTES_PER_ROW,
     BYTES_PER_SAMPLE,
     CorrelatedRows,
-    check_usable,
     hands_slice,
+    usable_chunks,
 )
 from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.averaging_time import averaging_time
@@ -114,13 +113,7 @@ class MeasurementSet:
         InputError
             At the end, when nothing read had a positive weight.
         """
-        total = SampleCounts()
-        for seen in self.unchecked_chunks():
-            if seen.counts is not None:
-                total += seen.counts
-            if len(seen):
-                yield seen
-        check_usable(Path(self.path), total, self.scans)
+        return usable_chunks(Path(self.path), self.unchecked_chunks(), self.scans)
 
     def unchecked_chunks(self) -> Iterator[Visibilities]:
         """Read everything once, including chunks without a cross-correlation and sets without a usable sample."""

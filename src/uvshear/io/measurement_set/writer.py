@@ -82,7 +82,8 @@ def write_measurement_set(
     target = Path(path)
     check_measurement_set_output(target, overwrite=overwrite)
     require_space(target, _size(observation))
-    with _casacore_errors(target), _written_whole(target, overwrite=overwrite) as unfinished:
+    with _casacore_errors(target), new_outputs(target) as outputs:
+        unfinished = outputs.new(target, overwrite=overwrite)
         _create(unfinished, observation)
         write_subtables(unfinished, observation, hands)
         with written(tables.table(str(unfinished), readonly=False, ack=False)) as main:
@@ -108,13 +109,6 @@ def check_measurement_set_output(target: Path, *, overwrite: bool) -> None:
         raise InputError(
             f"{target}: is not a Measurement Set, and will not be overwritten; choose another name"
         )
-
-
-@contextmanager
-def _written_whole(target: Path, *, overwrite: bool) -> Iterator[Path]:
-    """Yield a temporary path, which gets the name of the target at the end, or is removed after an error."""
-    with new_outputs(target) as outputs:
-        yield outputs.new(target, overwrite=overwrite)
 
 
 @contextmanager

@@ -12,10 +12,9 @@ from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.baseline_sense import sense_agrees
 from uvshear.interferometer.origin import Origin
-from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.visibilities import Visibilities
-from uvshear.io.correlated_rows import check_usable
+from uvshear.io.correlated_rows import usable_chunks
 from uvshear.io.msv4.blocks import BlockChoice, read_blocks
 from uvshear.io.msv4.data_groups import choose_data_group
 from uvshear.io.msv4.fields import read_direction
@@ -105,13 +104,7 @@ class Msv4Store:
         InputError
             At the end, when nothing read had a positive weight.
         """
-        total = SampleCounts()
-        for seen in self.unchecked_chunks():
-            if seen.counts is not None:
-                total += seen.counts
-            if len(seen):
-                yield seen
-        check_usable(Path(self.path), total, self.scans)
+        return usable_chunks(Path(self.path), self.unchecked_chunks(), self.scans)
 
     def unchecked_chunks(self) -> Iterator[Visibilities]:
         """Read everything once, including chunks without a cross-correlation and stores without a usable sample."""
