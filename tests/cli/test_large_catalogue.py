@@ -40,7 +40,8 @@ def test_memory_does_not_grow_with_sources_outside_the_field(tmp_path: Path, lay
         words = f"measure field.ms --catalogue {name}.fits --memory-gb 0.8 --threads 1 -o {name}-shapes.fits"
         started = subprocess.Popen([*COMMAND, *words.split()], cwd=tmp_path, env=environment())
         _, status, used = os.wait4(started.pid, 0)
-        assert status == 0
+        started.returncode = os.waitstatus_to_exitcode(status)
+        assert started.returncode == 0
         peaks[name] = used.ru_maxrss / 1e6
     few, everything = (Table.read(tmp_path / f"{name}-shapes.fits") for name in ("few", "all"))
     assert len(everything) == ROWS
