@@ -97,7 +97,11 @@ def test_a_link_in_place_of_a_directory_or_of_its_lock_is_not_followed(tmp_path:
     trap.mkdir()
     (trap / "lock").symlink_to(precious / "data")
     (trap / "field.ms").symlink_to(precious)
+    dangling = tmp_path / f".out{MARK}dangling"
+    dangling.mkdir()
+    (dangling / "lock").symlink_to(precious / "made")
     remove_leftovers(tmp_path)
+    assert [path.name for path in precious.iterdir()] == ["data"]
     assert (precious / "data").read_text() == "data"
     assert (tmp_path / f".out{MARK}link").is_symlink()
 
