@@ -1,45 +1,40 @@
-"""The longest baseline by the positions of antennas."""
+"""Lengths that the baselines of an array can have."""
 
 import numpy as np
 import pytest
 
-from uvshear.interferometer.array_extent import ArrayExtent, array_extent
+from tests.interferometer.test_baseline_lengths import DIAMETERS, PAIRS, POSITIONS, UVW
+from uvshear.interferometer.array_extent import ArrayExtent
+from uvshear.interferometer.baseline_lengths import array_extent
 
-POSITIONS = np.array([[6.4e6, 0, 0], [6.4e6, 300, 0], [6.4e6, 0, 400.0]])
-DIAMETERS = np.array([12.0, 25.0, 12.0])
-PAIRS = np.array([[0, 1], [0, 2], [1, 2]])
-UVW = np.array([[0, 300.0, 0], [0, 0, 400.0], [0, 300.0, -400.0]])
-
-
-def test_it_is_the_largest_distance_with_one_per_cent_and_one_dish():
-    assert array_extent(POSITIONS, DIAMETERS, PAIRS, UVW).longest_baseline == pytest.approx(
-        1.01 * 500 + 25
-    )
-
-
-def test_antennas_that_nobody_knows_do_not_matter():
-    pairs = np.vstack([PAIRS, [[0, 9], [-1, 2]]])
-    uvw = np.vstack([UVW, np.zeros((2, 3))])
-    positions = np.vstack([POSITIONS, [[np.nan] * 3, [0.0] * 3]])
-    expected = pytest.approx(1.01 * 500 + 25)
-    assert (
-        array_extent(positions, np.append(DIAMETERS, [1e9, 0.0]), pairs, uvw).longest_baseline
-        == expected
-    )
+EXTENT = array_extent(POSITIONS, DIAMETERS, PAIRS, UVW)
 
 
 @pytest.mark.parametrize(
-    ("positions", "uvw"),
-    [
-        (POSITIONS[:1], UVW),
-        (POSITIONS, 1.02 * UVW),
-        (POSITIONS * np.nan, UVW),
-        (POSITIONS, np.full((3, 3), np.nan)),
-    ],
+    ("scale", "is_allowed"), [(1.0, True), (1.05, True), (0.95, True), (1.1, False), (0.5, False)]
 )
-def test_positions_that_do_not_explain_the_baselines_give_no_limit(positions, uvw):
-    assert array_extent(positions, DIAMETERS[: len(positions)], PAIRS, uvw).longest_baseline is None
+def test_each_baseline_has_the_length_between_its_own_antennas(scale, is_allowed):
+    # One per cent and the largest dish, 25 m, are 28 to 30 m of 300 to 500 m.
+    assert (EXTENT.allows(scale * UVW, PAIRS) == is_allowed).all()
+    swapped = EXTENT.allows(UVW[::-1], PAIRS)
+    np.testing.assert_array_equal(swapped, [False, True, False])
 
 
-def test_without_baselines_there_is_no_limit():
-    assert array_extent(POSITIONS, DIAMETERS, PAIRS[:0], UVW[:0]) == ArrayExtent()
+def test_antennas_whose_places_are_not_known_allow_any_baseline_within_the_array():
+    positions = np.vstack([POSITIONS, [[np.nan] * 3, [0.0] * 3]])
+    extent = array_extent(positions, np.append(DIAMETERS, [25.0, 25.0]), PAIRS, UVW)
+    uvw = np.array([[100.0, 0, 0], [100.0, 0, 0], [100.0, 0, 0], [600.0, 0, 0], [0, 0, 0]])
+    pairs = np.array([[0, 3], [4, 1], [0, 9], [0, 3], [-1, 3]])
+    np.testing.assert_array_equal(extent.allows(uvw, pairs), [True, True, True, False, False])
+    np.testing.assert_array_equal(EXTENT.allows(uvw[:4], None), [True, True, True, False])
+
+
+def test_distances_that_do_not_explain_the_baselines_forbid_none():
+    extent = array_extent(POSITIONS, DIAMETERS, PAIRS, 2 * UVW)
+    assert extent.allows(2 * UVW, PAIRS).all()
+
+
+def test_nothing_is_known_of_an_array_but_the_distance_of_the_moon():
+    uvw = np.array([[1e8, 0, 0], [1.1e9, 0, 0], [0, 0, 0], [np.nan, 0, 0], [np.inf, 0, 0]])
+    assert ArrayExtent().allows(uvw, np.zeros((5, 2), int)).tolist() == [True, *[False] * 4]
+    assert ArrayExtent().notice is None

@@ -8,6 +8,7 @@ import pytest
 
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.accumulate import accumulate
+from uvshear.interferometer.array_extent import ArrayExtent
 from uvshear.interferometer.count_samples import SampleCountsAccumulator
 from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.screening import screened, screened_chunks
@@ -152,7 +153,7 @@ def test_the_length_of_the_array_limits_the_baselines():
     good = _good()
     second, longest = np.sort(np.linalg.norm(good.uvw, axis=1))[-2:].tolist()
     for limit, expected in ((longest, 0), ((second + longest) / 2, CHANNELS)):
-        seen = screened(replace(good, longest_baseline=limit))
+        seen = screened(replace(good, array=ArrayExtent(longest_baseline=limit)))
         assert seen.counts.impossible_uvw == expected
 
 

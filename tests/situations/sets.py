@@ -208,6 +208,15 @@ def zero_baselines(files: Files) -> None:
     change(files.field, "UVW", 0.0, slice(first, None))
 
 
+def longer_baseline(files: Files) -> None:
+    """A row whose UVW the array could have, but not between the two antennas of the row."""
+    with edited(files.field) as main:
+        uvw = main.getcol("UVW")
+        lengths = np.linalg.norm(uvw, axis=1)
+        row = int(np.argmin(np.abs(lengths - 0.4 * lengths.max())))
+        main.putcell("UVW", row, 2 * uvw[row])
+
+
 def shuffled(files: Files) -> None:
     """Rows in any order."""
     with tables.table(str(files.field), ack=False) as main:
@@ -370,6 +379,7 @@ _OF_THE_SET = (
     ("neither TIME nor TIME_CENTROID", no_times, noted("left out", 0.3)),
     ("rows with UVW = 0", zero_baselines, noted("left out|UVW", 1e-3)),
     ("one UVW of 1e20 m", values("UVW", 1e20, rows=slice(7, 8)), noted("left out", 0.3)),
+    ("one UVW of twice its length", longer_baseline, noted("unlike the distance", 0.3)),
     ("rows in any order", shuffled, ROUNDED),
     ("baselines both ways", swapped, ROUNDED),
     ("a WEIGHT_SPECTRUM that was never written", unfilled_weights, SAME),

@@ -1,17 +1,15 @@
-"""UVW and the distances between antennas: whether they agree, and the longest baseline that an array can have."""
+"""The extent of an array: which lengths of UVW the positions of its antennas allow."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
-from uvshear.interferometer.layout import EARTH_RADIUS_RANGE
-from uvshear.interferometer.primary_beam import LARGEST_DISH
-from uvshear.interferometer.screening import LONGEST_BASELINE
-from uvshear.typing import Array, Float, Int
+from uvshear.typing import Array, Bool, Float, Int
 
-ROWS_COMPARED: Final = 256
-"""Number of rows, spread over the data, whose UVW is compared with the antennas' positions."""
+LONGEST_BASELINE: Final = 1e9
+"""Length beyond which a baseline cannot be real, if the extent of the array is not known [m]: more than twice the
+distance of the Moon."""
 
 TOLERANCE: Final = 0.01
 """Relative difference between the length of UVW and the distance of two antennas that is taken as agreement. Geodesy,
@@ -30,10 +28,18 @@ class ArrayExtent:
     wrong_ratio
         Median ratio of the length of UVW to these distances, if the antennas stand on the Earth and most rows disagree
         with them; None otherwise. Positions that are missing or in another frame cannot be compared with UVW.
+    positions
+        Geocentric position of each antenna [m], with NaN where it is not known, if the distances between them are to
+        hold for every row; None otherwise.
+    margin
+        Length by which UVW may differ from the distance of its antennas, beside one per cent [m]: the axes of a mount
+        need not meet.
     """
 
     longest_baseline: float | None = None
     wrong_ratio: float | None = None
+    positions: Float[Array, "antenna 3"] | None = field(default=None, repr=False, compare=False)
+    margin: float = 0.0
 
     @property
     def notice(self) -> str | None:
@@ -45,54 +51,29 @@ class ArrayExtent:
             " distance of the antennas (median)"
         )
 
+    def allows(
+        self, uvw: Float[Array, "row 3"], antennas: Int[Array, "row 2"] | None
+    ) -> Bool[Array, " row"]:
+        """Tell which baselines the array can have.
 
-def array_extent(
-    positions: Float[Array, "antenna 3"],
-    diameters: Float[Array, " antenna"],
-    antennas: Int[Array, "row 2"],
-    uvw: Float[Array, "row 3"],
-) -> ArrayExtent:
-    """Compare UVW with the positions of the antennas, in some rows.
-
-    Parameters
-    ----------
-    positions
-        Geocentric positions [m]; NaN or 0 where they are not known.
-    diameters
-        Diameters of the dishes [m]; 0 where they are not known.
-    antennas
-        Numbers of ANTENNA1 and ANTENNA2 of the compared rows.
-    uvw
-        Baselines of the compared rows [m].
-    """
-    if len(positions) < 2:
-        return ArrayExtent()
-    ratio = _length_over_distance(positions, antennas, uvw)
-    agrees = np.abs(ratio - 1) < TOLERANCE
-    if np.count_nonzero(agrees) <= len(agrees) / 2:
-        is_told = len(ratio) > 0 and _stand_on_earth(positions)
-        return ArrayExtent(wrong_ratio=float(np.median(ratio)) if is_told else None)
-    real = (np.abs(positions) < LONGEST_BASELINE).all(axis=1)
-    placed = positions[real & positions.any(axis=1)]
-    extent = max(float(np.linalg.norm(placed - place, axis=1).max()) for place in placed)
-    dish = float(np.max(diameters, initial=0.0, where=diameters < LARGEST_DISH))
-    return ArrayExtent(longest_baseline=(1 + TOLERANCE) * extent + dish)
-
-
-def _length_over_distance(
-    positions: Float[Array, "antenna 3"], antennas: Int[Array, "row 2"], uvw: Float[Array, "row 3"]
-) -> Float[Array, " known"]:
-    """Return the length of UVW over the distance of the antennas, for rows of two antennas whose distance is known."""
-    first, second = antennas[:, 0], antennas[:, 1]
-    known = (antennas.min(axis=1) >= 0) & (antennas.max(axis=1) < len(positions))
-    with np.errstate(all="ignore"):
-        apart = np.linalg.norm(positions[first[known]] - positions[second[known]], axis=1)
-        ratio = np.linalg.norm(uvw[known], axis=1)[apart > 0] / apart[apart > 0]
-    return ratio[np.isfinite(ratio)]
-
-
-def _stand_on_earth(positions: Float[Array, "antenna 3"]) -> bool:
-    with np.errstate(all="ignore"):
-        radius = np.linalg.norm(positions, axis=1)
-    low, high = EARTH_RADIUS_RANGE
-    return bool(np.all((radius > low) & (radius < high)))
+        Parameters
+        ----------
+        uvw
+            Baselines [m].
+        antennas
+            Numbers of the two antennas of each row; None where they are not known.
+        """
+        longest = LONGEST_BASELINE if self.longest_baseline is None else self.longest_baseline
+        with np.errstate(all="ignore"):
+            length = np.sqrt(np.sum(uvw**2, axis=1))
+            allowed: Bool[Array, " row"] = (length > 0) & (length <= longest)
+            if antennas is not None and self.positions is not None and len(antennas):
+                is_known = (antennas >= 0) & (antennas < len(self.positions))
+                is_placed: Bool[Array, " row"] = np.all(is_known, axis=1)
+                first, second = np.where(is_known, antennas, 0).T
+                apart = self.positions[first] - self.positions[second]
+                distance = np.sqrt(np.sum(apart**2, axis=1))
+                # A distance of NaN allows every length.
+                is_off = np.abs(length - distance) > TOLERANCE * distance + self.margin
+                allowed &= ~(is_placed & is_off)
+        return allowed

@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.array_extent import LONGEST_BASELINE
 from uvshear.interferometer.coverage import antenna_uvw, sidereal_time
-from uvshear.interferometer.screening import LONGEST_BASELINE
 from uvshear.interferometer.visibilities import Integrations
 from uvshear.typing import Array, Bool, Float
 

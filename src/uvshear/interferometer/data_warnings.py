@@ -42,7 +42,7 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
             (counts.non_positive_weights, "have a weight of zero or less"),
             (
                 counts.impossible_uvw,
-                "have a UVW that is zero, not finite or longer than the array,",
+                "have a UVW that is zero, not finite, longer than the array or unlike the distance of its antennas,",
             ),
             (
                 counts.impossible_times,

@@ -11,10 +11,6 @@ from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.visibilities import Integrations, Observation, Visibilities
 from uvshear.typing import Array, Bool, Float
 
-LONGEST_BASELINE: Final = 1e9
-"""Length beyond which a baseline cannot be real, if the extent of the array is not known [m]: more than twice the
-distance of the Moon."""
-
 LONGEST_INTEGRATION: Final = 86400.0
 """Length beyond which an integration cannot be real [s]: within a day, every baseline turns once."""
 
@@ -36,10 +32,11 @@ NO_TIME: Final = 0.0
 def screened(seen: Visibilities) -> Visibilities:
     """Return the samples, with a weight of 0 for those that cannot be right, and with their numbers by reason.
 
-    A row is left out if its UVW is not finite, is zero (as programs store it for missing antennas) or is longer than
-    the array, if its time is not finite, or if its integration is negative or longer than a day. A channel is left out
-    if its frequency or width cannot be that of a radio telescope. A sample is left out if it is not finite or is
-    impossibly large, or if its weight dwarfs all others.
+    A row is left out if its UVW is not finite, is zero (as programs store it for missing antennas), is longer than the
+    array, or is shorter or longer than the distance between its antennas; if its time is not finite; or if its
+    integration is negative or longer than a day. A channel is left out if its frequency or width cannot be that of a
+    radio telescope. A sample is left out if it is not finite or is impossibly large, or if its weight dwarfs all
+    others.
     """
     if seen.is_screened:
         return seen
@@ -82,10 +79,8 @@ def screened_chunks(observation: Observation) -> Iterator[Visibilities]:
 
 
 def _wrong_places(seen: Visibilities) -> Bool[Array, " row"]:
-    with np.errstate(all="ignore"):
-        length = np.sqrt(np.sum(seen.uvw**2, axis=1))
-    longest = LONGEST_BASELINE if seen.longest_baseline is None else seen.longest_baseline
-    return ~((length > 0) & (length <= longest))
+    antennas = None if seen.integrations is None else seen.integrations.antennas
+    return ~seen.array.allows(seen.uvw, antennas)
 
 
 def _wrong_channels(seen: Visibilities) -> Bool[Array, " chan"]:

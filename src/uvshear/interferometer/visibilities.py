@@ -1,13 +1,14 @@
 """Stokes I visibilities with their weights, the data of every measurement."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.array_extent import ArrayExtent
 from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
@@ -59,8 +60,8 @@ class Visibilities:
     hand_powers
         Power of the difference of the two parallel hands over its variance (``stokes.powers_of_hands``), at some
         samples of the block; None where it is not known.
-    longest_baseline
-        Length that no baseline of the array exceeds [m]; None where the reader does not know it.
+    array
+        Lengths that the baselines of the array can have.
     is_screened
         Whether samples that cannot be right have been left out (``screening``).
     """
@@ -73,7 +74,7 @@ class Visibilities:
     integrations: Integrations | None = None
     counts: SampleCounts | None = None
     hand_powers: Float[Array, " drawn"] | None = None
-    longest_baseline: float | None = None
+    array: ArrayExtent = field(default_factory=ArrayExtent)
     is_screened: bool = False
 
     def __len__(self) -> int:

@@ -139,7 +139,9 @@ def test_a_channel_averaged_over_many_times_its_width_is_told(tmp_path):
     assert _notices(path) == ()
     change(path, "EFFECTIVE_BW", 5 * width, subtable="SPECTRAL_WINDOW")
     (told,) = _notices(path)
-    assert told == "DATA_DESC_ID 0: EFFECTIVE_BW is more than 4 times CHAN_WIDTH"
+    assert told == (
+        "DATA_DESC_ID 0: channels are averages over more than 4 times their widths, by their effective widths"
+    )
 
 
 @pytest.mark.parametrize(

@@ -204,6 +204,35 @@ def test_a_time_of_0_beside_averaged_channels_is_the_nominal_time(tree, write):
     assert notice.startswith("EFFECTIVE_INTEGRATION_TIME is 0 although the channels are averages")
 
 
+@pytest.mark.parametrize("lacking", [0.0, -60.0, np.nan, np.inf])
+def test_times_that_cannot_be_are_the_nominal_time(tree, write, lacking):
+    tree["field_0"].attrs["processor_info"] = {"type": "CORRELATOR", "sub_type": ""}
+    times = tree["field_0"]["EFFECTIVE_INTEGRATION_TIME"]
+    values = np.full(times.shape, 20.0)
+    values[0, 0] = lacking
+    tree["field_0"]["EFFECTIVE_INTEGRATION_TIME"] = (times.dims, values)
+    interval = next(Msv4Store(write()).chunks()).integrations.interval
+    np.testing.assert_array_equal(np.sort(interval)[-2:], [20.0, 60.0])
+
+
+def test_oddities_of_channels_are_told_as_those_of_a_set(tmp_path, tree, write):
+    ms = written(tmp_path)
+    frequency = tree["field_0"]["frequency"].values.copy()
+    frequency[2] = frequency[1] + 1e6
+    tree["field_0"]["frequency"] = ("frequency", frequency, tree["field_0"]["frequency"].attrs)
+    with tables.table(f"{ms}::SPECTRAL_WINDOW", readonly=False, ack=False) as windows:
+        windows.putcell("CHAN_FREQ", 0, frequency)
+    (told,), (of_set,) = Msv4Store(write()).notices(), MeasurementSet(ms).notices()
+    assert told.removeprefix("field_0: ") == of_set.removeprefix("DATA_DESC_ID 0: ")
+    assert told.startswith("field_0: channels overlap")
+
+
+def test_a_hand_that_alone_makes_stokes_i_is_told(tree, write):
+    tree["field_0"] = tree["field_0"].isel(polarization=[0])
+    (told,) = Msv4Store(write()).notices()
+    assert told == "field_0: XX alone is taken as Stokes I, as there is no other parallel hand"
+
+
 def test_averages_without_any_time_are_told_of(tree, write):
     del tree["field_0"].attrs["processor_info"]
     del tree["field_0"]["time"].attrs["integration_time"]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from tests.io.measurement_sets import PHASE_CENTRE
-from uvshear.interferometer.array_extent import array_extent
+from uvshear.interferometer.baseline_lengths import array_extent
 from uvshear.interferometer.baseline_sense import sense_agrees
 from uvshear.io.msv4.antennas import read_antennas
 from uvshear.io.msv4.partition import read_partition

@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 from casacore import tables
 
-from uvshear.interferometer.array_extent import ROWS_COMPARED, ArrayExtent, array_extent
+from uvshear.interferometer.array_extent import ArrayExtent
+from uvshear.interferometer.baseline_lengths import ROWS_COMPARED, array_extent
 from uvshear.io.measurement_set.antennas import read_antennas
 
 

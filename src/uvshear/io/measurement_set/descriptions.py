@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 from casacore import tables
@@ -13,13 +12,8 @@ from uvshear.errors import InputError
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import CORRELATION_NAMES, STOKES_I, parallel_hands
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
+from uvshear.io.spectral_oddities import spectral_oddities
 from uvshear.typing import Array, Float
-
-OVERLAP: Final = 0.5
-"""Ratio of the spacing of neighbouring channels to their width below which they are said to overlap."""
-
-WIDEST: Final = 4.0
-"""Ratio of EFFECTIVE_BW to CHAN_WIDTH above which one of them is wrong; after Hanning smoothing it is 2.67."""
 
 
 @dataclass(frozen=True)
@@ -62,19 +56,7 @@ class DataDescription:
     @property
     def oddities(self) -> tuple[str, ...]:
         """Facts that a user should know."""
-        found = []
-        if (hand := self.only_hand) is not None:
-            found.append(f"{hand} alone is taken as Stokes I, as there is no other parallel hand")
-        order = np.argsort(self.channels.frequency)
-        frequency, width = self.channels.frequency[order], self.channels.width[order]
-        between = np.diff(frequency)
-        if np.any(between < OVERLAP * np.minimum(width[1:], width[:-1])):
-            found.append(
-                "channels overlap: the steps of CHAN_FREQ are less than half of CHAN_WIDTH"
-            )
-        if np.any(self.averaged > WIDEST * self.channels.width):
-            found.append(f"EFFECTIVE_BW is more than {WIDEST:g} times CHAN_WIDTH")
-        return tuple(found)
+        return spectral_oddities(self.channels, self.averaged, self.only_hand)
 
     @property
     def is_averaged(self) -> bool:

@@ -230,7 +230,7 @@ class _Reader:
             uvw, integrations, correlations[..., hands], weights[..., hands], flags[..., hands]
         )
         seen = found.combine(description.channels.frequency, description.averaged)
-        return replace(seen, longest_baseline=self.header.extent.longest_baseline)
+        return replace(seen, array=self.header.extent)
 
     def _visibilities(
         self, table: tables.table, column: str, start: int, shape: tuple[int, int, int]

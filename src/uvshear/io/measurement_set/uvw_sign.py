@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from uvshear.interferometer.array_extent import ROWS_COMPARED
+from uvshear.interferometer.baseline_lengths import ROWS_COMPARED
 from uvshear.interferometer.baseline_sense import sense_agrees
 from uvshear.interferometer.visibilities import Integrations
 from uvshear.io.measurement_set.antennas import read_antennas

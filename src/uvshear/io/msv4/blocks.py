@@ -170,10 +170,11 @@ class _BlockReader:
         return np.broadcast_to(values, shape)
 
     def _interval(self, place: dict[str, slice], counts: tuple[int, int]) -> Float[Array, "..."]:
-        """Return the time that each row was averaged over [s]; NaN in padding.
+        """Return the time that each row was averaged over [s]; that of padding means nothing.
 
         That is EFFECTIVE_INTEGRATION_TIME, or the nominal time in a store without it. If the channels are averages, the
-        visibilities are averages over time as well: a time of 0 was then not filled, and the nominal time is taken.
+        visibilities are averages over time as well: a time that is 0, negative or not finite was then not filled, and
+        the nominal time is taken.
         """
         nominal = self._time_of(INTERVAL, place, counts)
         if nominal is None:
@@ -183,7 +184,7 @@ class _BlockReader:
         if exposure is None:
             return np.zeros(counts) if nominal is None else nominal
         if nominal is not None and self.partition.setup.is_averaged:
-            return np.where(exposure == 0, nominal, exposure)
+            return np.where(np.isfinite(exposure) & (exposure > 0), exposure, nominal)
         return exposure
 
     def _time_of(

@@ -8,7 +8,8 @@ import numpy as np
 
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.array_extent import ArrayExtent, array_extent
+from uvshear.interferometer.array_extent import ArrayExtent
+from uvshear.interferometer.baseline_lengths import array_extent
 from uvshear.io.msv4.antennas import Antennas, read_antennas
 from uvshear.io.msv4.fields import FieldLabel, StoreField, choose_field
 from uvshear.io.msv4.groups import attributes, correlated_groups

@@ -121,7 +121,7 @@ class Msv4Store:
             setup = partition.setup
             for rows in read_blocks(partition, choice, self.memory):
                 seen = rows.combine(setup.channels.frequency, setup.averaged)
-                yield replace(seen, longest_baseline=self.header.extent.longest_baseline)
+                yield replace(seen, array=self.header.extent)
 
     def origin(self) -> Origin:
         """Return the store itself, under its path."""
@@ -148,7 +148,10 @@ class Msv4Store:
         if (notice := self.header.extent.notice) is not None:
             found.append(notice)
         of_times = [partition.averaging_notice for partition in self.header.partitions]
-        return (*found, *dict.fromkeys(text for text in of_times if text is not None))
+        found += dict.fromkeys(text for text in of_times if text is not None)
+        for partition in self.header.partitions:
+            found += [f"{partition.group.name}: {fact}" for fact in partition.setup.oddities]
+        return tuple(found)
 
     def uvw_agrees(self) -> bool | None:
         """Whether UVW, as it is read, is X(antenna 1) - X(antenna 2) by the positions; None if neither sign fits."""

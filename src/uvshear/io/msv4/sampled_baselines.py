@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from uvshear.interferometer.array_extent import ROWS_COMPARED
+from uvshear.interferometer.baseline_lengths import ROWS_COMPARED
 from uvshear.interferometer.visibilities import Integrations
 from uvshear.io.msv4.antennas import Antennas
 from uvshear.io.msv4.opening import open_group, zarr_errors

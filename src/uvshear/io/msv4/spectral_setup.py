@@ -8,9 +8,10 @@ import numpy as np
 from uvshear.constants import RADIO_FREQUENCIES
 from uvshear.errors import InputError
 from uvshear.interferometer.spectral_window import Channels
-from uvshear.interferometer.stokes import CORRELATION_NAMES, parallel_hands
+from uvshear.interferometer.stokes import CORRELATION_NAMES, STOKES_I, parallel_hands
 from uvshear.io.msv4.opening import Dataset, zarr_errors
 from uvshear.io.msv4.variables import numbers, quantity, texts, unit_of
+from uvshear.io.spectral_oddities import spectral_oddities
 from uvshear.typing import Array, Float
 
 
@@ -34,6 +35,17 @@ class SpectralSetup:
     averaged: Float[Array, " chan"]
     correlations: tuple[str, ...]
     hands: tuple[int, ...]
+
+    @property
+    def only_hand(self) -> str | None:
+        """Name of the correlation that alone is taken as Stokes I; None where two are, or where it is Stokes I."""
+        name = self.correlations[self.hands[0]]
+        return None if len(self.hands) > 1 or name == CORRELATION_NAMES[STOKES_I] else name
+
+    @property
+    def oddities(self) -> tuple[str, ...]:
+        """Facts that a user should know."""
+        return spectral_oddities(self.channels, self.averaged, self.only_hand)
 
     @property
     def is_averaged(self) -> bool:
