@@ -4,7 +4,6 @@ import shutil
 from pathlib import Path
 
 import numpy as np
-from astropy.table import Table
 
 from tests.fuzz.case import Kind, Reading
 from tests.fuzz.tables import mutate_table, read
@@ -42,14 +41,5 @@ class Statistics(Kind):
         )
 
     def is_valid(self, clean: Path, variant: str, path: Path) -> bool:
-        """Tell whether only numbers of the statistics have changed."""
-        try:
-            new, old = read(path), read(clean / variant)
-        except Exception:  # astropy's readers raise what they like
-            return False
-        return new.colnames == old.colnames and len(new) == len(old) and _same_words(new, old)
-
-
-def _same_words(new: Table, old: Table) -> bool:
-    names = [name for name in old.colnames if name == "id" or name.startswith("flag_")]
-    return all(list(new[name]) == list(old[name]) for name in names)
+        """Tell that no change is valid: the checksums of the rows find it."""
+        return False

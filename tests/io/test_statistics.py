@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from astropy.io import fits
 from astropy.table import Table
 
 from tests.estimators.test_evidence import Toy
@@ -139,6 +140,15 @@ def test_shapes_that_were_selected_or_sorted_find_their_statistics(
     back = read_statistics(path, tmp_path / "s.fits", Table({"id": ids}))
     assert back["id"].tolist() == ids
     assert back["height"].tolist() == ["abc".index(name) for name in ids]
+
+
+def test_a_number_that_was_changed_is_refused_with_its_source(tmp_path: Path) -> None:
+    kept = {k: {"height": float(k)} for k in range(3)}
+    path = _written(tmp_path / "s.stats.fits", statistics_table(SHAPES, [Own()], kept))
+    with fits.open(path, mode="update") as file:
+        file[1].data["height"][1] = 1.0000001
+    with pytest.raises(InputError, match=r"the numbers of 1 of 3 sources \(the first is b\) are"):
+        read_statistics(path, tmp_path / "s.fits", Table({"id": ["a"]}))
 
 
 def test_identifiers_are_compared_as_text(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 from astropy.table import Column, Table
 
 from uvshear.errors import InputError
+from uvshear.io.row_checksums import CHECKSUM, changed_rows, checksums
 from uvshear.io.run_identity import companion, run_of
 from uvshear.io.shape_checks import as_words
 from uvshear.io.tables import read_table, write_table
@@ -91,13 +92,20 @@ def write_statistics(
     path: Path, table: Table, provenance: Mapping[str, str], *, overwrite: bool = False
 ) -> None:
     """Write the statistics as FITS, with the metadata of the run that made them."""
-    written = table.copy()
+    written = table[[name for name in table.colnames if name != CHECKSUM]]
     written.meta.update(provenance)
+    written[CHECKSUM] = checksums(written)
     write_table(path, written, overwrite=overwrite)
 
 
 def read_statistics(path: Path, shapes_path: Path, shapes: Table) -> Table:
-    """Read the statistics that belong to a table of shapes, and check that both have the same sources."""
+    """Read the statistics that belong to a table of shapes.
+
+    Raises
+    ------
+    InputError
+        The file belongs to another measurement, has not all sources of the shapes, or was changed after the writing.
+    """
     table = read_table(path, "file written by `uvshear measure --keep`")
     for name, read in ((path, table), (shapes_path, shapes)):
         if "id" not in read.colnames:
@@ -111,7 +119,14 @@ def read_statistics(path: Path, shapes_path: Path, shapes: Table) -> Table:
             f" {runs[1]}); measure again"
         )
     known, wanted = _identifiers(table, path), _identifiers(shapes, shapes_path)
+    if (changed := changed_rows(table)).any():
+        raise InputError(
+            f"{path}: the numbers of {np.count_nonzero(changed)} of {len(table)} sources (the first is"
+            f" {known[changed][0]}) are not those that were written, by their checksums; measure again"
+        )
     table = table[_rows(known, wanted, path, shapes_path)]
+    if CHECKSUM in table.colnames:
+        table.remove_column(CHECKSUM)
     # FITS has keys in capitals.
     table.meta = {str(name).lower(): value for name, value in table.meta.items()}
     return table
