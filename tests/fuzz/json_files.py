@@ -33,7 +33,9 @@ class JsonFiles(Kind):
             del owner[key]
             words = f"{key} removed"
         elif choice == 1 and isinstance(owner, dict):
-            new = str(rng.choice([f"{key}_err", key.upper(), "", "size", "c1", "x" * 50]))
+            names = [f"{key}_err", key.upper(), "", "size", "c1", "x" * 50]
+            # The name of another value would change that one as well.
+            new = str(rng.choice([name for name in names if name not in owner]))
             owner[new] = owner.pop(key)
             words = f"{key} renamed to {new}"
         elif choice == 2 and isinstance(owner[key], int | float):

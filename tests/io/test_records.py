@@ -22,6 +22,7 @@ def test_a_record_that_was_written_is_read(tmp_path):
         ('{"n": 1' + 5000 * "0" + "}", "cannot be read as JSON"),
         (" " * 10_000_001, "is too large"),
         ("{", "cannot be read as JSON"),
+        ('{"a": {"m": 1, "c": 2, "m": 1}}', "'m' is given more than once"),
         ("\xff", "cannot be read"),
     ],
 )

@@ -194,7 +194,7 @@ _CASES: tuple[tuple[str, object, Expected, str], ...] = (
         refused("bias.json"),
         SHEAR,
     ),
-    ("responses that are NaN", changed("", np.nan), refused("are damaged in row 1"), SHEAR),
+    ("responses that are NaN", changed("", np.nan), refused("not those that were written"), SHEAR),
 )
 
 SITUATIONS = tuple(Situation(f"an output: {name}", *rest) for name, *rest in _CASES)

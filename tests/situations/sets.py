@@ -217,6 +217,12 @@ def longer_baseline(files: Files) -> None:
         main.putcell("UVW", row, 2 * uvw[row])
 
 
+def unwritten(files: Files) -> None:
+    """Rows at the end that an interrupted program has added and not filled."""
+    with edited(files.field) as main:
+        main.addrows(7)
+
+
 def shuffled(files: Files) -> None:
     """Rows in any order."""
     with tables.table(str(files.field), ack=False) as main:
@@ -380,6 +386,7 @@ _OF_THE_SET = (
     ("rows with UVW = 0", zero_baselines, noted("left out|UVW", 1e-3)),
     ("one UVW of 1e20 m", values("UVW", 1e20, rows=slice(7, 8)), noted("left out", 0.3)),
     ("one UVW of twice its length", longer_baseline, noted("unlike the distance", 0.3)),
+    ("rows that were never written", unwritten, refused("no value in 7 rows")),
     ("rows in any order", shuffled, ROUNDED),
     ("baselines both ways", swapped, ROUNDED),
     ("a WEIGHT_SPECTRUM that was never written", unfilled_weights, SAME),

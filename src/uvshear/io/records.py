@@ -21,7 +21,7 @@ def read_record(path: Path, what: str) -> dict[str, object]:
         if path.is_file() and path.stat().st_size > LONGEST:
             raise InputError(f"{path}: is too large; {what} is needed")
         # Editors may write a mark of the byte order, which JSON does not have.
-        record = json.loads(path.read_text(encoding="utf-8-sig"))
+        record = json.loads(path.read_text(encoding="utf-8-sig"), object_pairs_hook=_unambiguous)
     except RecursionError:
         raise InputError(f"{path}: cannot be read as JSON: it is nested too deeply") from None
     except InputError:
@@ -31,6 +31,16 @@ def read_record(path: Path, what: str) -> dict[str, object]:
     if not isinstance(record, dict):
         raise InputError(f"{path}: is not {what}")
     return record
+
+
+def _unambiguous(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+    """Return names and values; of a name that is given twice, JSON does not say which value holds."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        names = [name for name, _ in pairs]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ValueError(f"'{twice}' is given more than once")
+    return found
 
 
 @dataclass(frozen=True)

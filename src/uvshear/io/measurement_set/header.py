@@ -221,8 +221,10 @@ def check_scans(path: Path, scans: Sequence[int]) -> None:
 
 
 def _weight_column(path: Path, main: tables.table, column: str) -> str:
-    """Return the first weight column that is filled, judged by rows spread over the set."""
-    rows = _probed_rows(main)
+    """Return the first weight column that is filled, judged by rows spread over the set that have visibilities."""
+    rows = [row for row in _probed_rows(main) if main.iscelldefined(column, row)]
+    if not rows:
+        raise InputError(f"{path}: column {column} has no values; visibilities are needed")
     for name in WEIGHT_COLUMNS:
         if name not in main.colnames() or not all(main.iscelldefined(name, row) for row in rows):
             continue

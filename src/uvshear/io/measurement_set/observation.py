@@ -24,6 +24,7 @@ from uvshear.io.correlated_rows import (
 from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.averaging_time import averaging_time
 from uvshear.io.measurement_set.descriptions import DataDescription
+from uvshear.io.measurement_set.empty_cells import rows_without_value
 from uvshear.io.measurement_set.fields import read_pointing
 from uvshear.io.measurement_set.header import (
     Header,
@@ -120,9 +121,11 @@ class MeasurementSet:
         path = Path(self.path)
         with open_table(path) as main, casacore_errors(path, "the main table"):
             reader = _Reader(main, self)
+            empty = rows_without_value(main, reader.columns)
             for start in range(0, self.header.rows, self.rows_per_chunk):
                 count = min(self.rows_per_chunk, self.header.rows - start)
                 for description, rows in reader.split(start, count):
+                    empty.check(path, rows)
                     yield reader.read(description, rows)
 
     @property
@@ -187,6 +190,8 @@ class _Reader:
         self.has_flag_row = "FLAG_ROW" in main.colnames()
         self.buffers: dict[str, Array] = {}
         self.checked: set[tuple[str, tuple[int, ...]]] = set()
+        names = (self.column, self.subtracted, self.header.weight_column, "FLAG", "UVW")
+        self.columns = tuple(name for name in names if name is not None)
 
     def split(self, start: int, count: int) -> Iterator[tuple[DataDescription, Int[Array, " row"]]]:
         """Yield the rows of the chosen field and scans, spectral window by spectral window."""
