@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.fuzz.case import Kind
-from tests.fuzz.oracle import Verdict
+from tests.fuzz.oracle import ERROR, Verdict
 from tests.fuzz.worker import BatteryError, serve
 
 LONGEST = 300.0
@@ -73,7 +73,17 @@ class Watched:
         self._start()
         if isinstance(error, TimeoutError) or -code in (signal.SIGXCPU, signal.SIGKILL):
             return Verdict.HANG, f"ended after too long ({code})"
+        if code == 2 and (line := self._last_words()) is not None:
+            return Verdict.REFUSED, line
         return Verdict.CRASH, f"exit code {code}"
+
+    def _last_words(self) -> str | None:
+        """Return the one line of a process that casacore has ended, if it has left no unfinished file."""
+        room = self._arguments[1]
+        lines = room.with_name("standard-error").read_text(errors="replace").splitlines()
+        if len(lines) != 1 or not lines[0].startswith(ERROR) or list(room.rglob(".*unfinished*")):
+            return None
+        return lines[0]
 
     def close(self) -> None:
         """End the process."""

@@ -223,7 +223,9 @@ def _of_subtable(path: Path, rng: np.random.Generator) -> str:  # noqa: PLR0911 
         return f"{name} is a copy of {other}"
     if choice == 3:
         with _opened(path, "") as main:
-            new = [word(rng), 7, f"Table: {path}/NO_SUCH_TABLE", f"Table: {path}/FEED"][rng.integers(4)]
+            new = [word(rng), 7, f"Table: {path}/NO_SUCH_TABLE", f"Table: {path}/FEED"][
+                rng.integers(4)
+            ]
             main.putkeyword(name, new)
         return f"the keyword {name} is {new}"
     if choice == 4:

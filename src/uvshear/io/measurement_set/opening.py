@@ -9,6 +9,7 @@ from typing import Final
 from casacore import tables
 
 from uvshear.errors import InputError
+from uvshear.io.measurement_set.termination import told_if_terminated
 
 WITHOUT_LOCK: Final = "autonoread"
 """Lock option of casacore with which reading needs no lock. With a lock, casacore would wait for as long as another
@@ -26,7 +27,8 @@ NO_STORAGE_MANAGER: Final = (
 def casacore_errors(path: Path, what: str) -> Iterator[None]:
     """Turn casacore's own errors into one line."""
     try:
-        yield
+        with told_if_terminated(path, what):
+            yield
     except (RuntimeError, OSError) as error:
         reason = " ".join(str(error).split())
         for words in NO_STORAGE_MANAGER:
