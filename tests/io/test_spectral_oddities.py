@@ -28,3 +28,24 @@ def test_each_fact_is_a_sentence():
         "channels are averages over more than 4 times their widths, by their effective widths",
     )
     assert spectral_oddities(CHANNELS, np.array([1e8, 2.67e8, 3.9e8]), None) == ()
+
+
+@pytest.mark.parametrize(("last", "is_told"), [(2.29e9, False), (2.31e9, True), (4.8e9, True)])
+def test_a_gap_of_four_times_the_band_is_told(last, is_told):
+    channels = Channels(np.array([1.0e9, last, 1.1e9]), CHANNELS.width)
+    told = spectral_oddities(channels, CHANNELS.width, None)
+    assert len(told) == is_told
+    if last == 4.8e9:
+        assert told[0].startswith("a gap of 3700 MHz divides channels that are 300 MHz wide")
+
+
+def test_one_channel_has_no_gap():
+    channels = Channels(np.array([1.0e9]), np.array([1e6]))
+    assert spectral_oddities(channels, np.zeros(1), None) == ()
+
+
+def test_averages_beside_samples_are_told():
+    told = spectral_oddities(CHANNELS, np.array([1e8, 0.0, 0.0]), None)
+    assert told == (
+        "some channels are averages over a band and others are not, by their effective widths",
+    )

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from uvshear.errors import InputError
-from uvshear.plot.figure import new_figure, save
+from uvshear.plot.figure import check_picture, new_figure, save
 
 
 def test_panels_stand_side_by_side() -> None:
@@ -33,3 +33,11 @@ def test_an_unknown_kind_of_picture_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"picture\.docx"):
         save(new_figure(1, 2.0, 2.0)[0], tmp_path / "picture.docx")
     assert list(tmp_path.iterdir()) == []
+    with pytest.raises(InputError, match=r"picture\.docx: the extension is not that of a picture"):
+        check_picture(tmp_path / "picture.docx")
+    check_picture(tmp_path / "picture.PDF")
+
+
+def test_a_picture_without_a_place_is_refused_before_it_is_drawn(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="does not exist"):
+        check_picture(tmp_path / "absent" / "picture.png")

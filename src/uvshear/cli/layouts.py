@@ -39,7 +39,6 @@ def layouts(
     import numpy as np
 
     from uvshear.interferometer.layout import ArrayLayout, known_layouts, load_layout
-    from uvshear.io.outputs import check_file
 
     def describe(layout: ArrayLayout) -> tuple[str, ...]:
         shortest, longest = baseline_range(layout.positions)
@@ -61,12 +60,12 @@ def layouts(
         return
     layout = load_layout(name)
     picture = Path(f"{layout.name}-layout.png") if output is None else output
-    check_file(picture, overwrite=overwrite)
+    from uvshear.plot import check_picture, draw_layout, save
+
+    check_picture(picture, overwrite=overwrite)
     reserve(context, [picture], [Path(name)])
     show_table(layout.name, columns, [describe(layout)])
     say(textwrap.shorten(layout.source, 300, placeholder=" ..."))
-
-    from uvshear.plot import draw_layout, save
 
     save(draw_layout(layout.positions, layout.name), picture, overwrite=overwrite)
     say(f"map: {picture}")

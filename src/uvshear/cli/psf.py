@@ -210,10 +210,10 @@ def reserve_pictures(
     overwrite: bool,
 ) -> None:
     """Refuse pictures that cannot be written, before anything is computed for them, and reserve them."""
-    from uvshear.io.outputs import check_file
+    from uvshear.plot import check_picture
 
     for path in pictures:
-        check_file(path, overwrite=overwrite)
+        check_picture(path, overwrite=overwrite)
     reserve(context, pictures, measurement_sets)
 
 

@@ -14,6 +14,10 @@ WIDEST: Final = 4.0
 """Ratio of the band that a channel was averaged over to its width above which one of them is wrong; after Hanning
 smoothing it is 2.67."""
 
+WIDEST_GAP: Final = 4.0
+"""Ratio of the gap between neighbouring channels to the width of all channels together above which one of their
+frequencies may be wrong."""
+
 
 def spectral_oddities(
     channels: Channels, averaged: Float[Array, " chan"], only_hand: str | None
@@ -37,6 +41,16 @@ def spectral_oddities(
     if np.any(np.diff(frequency) < OVERLAP * np.minimum(width[1:], width[:-1])):
         found.append(
             "channels overlap: the steps between their frequencies are less than half of their widths"
+        )
+    gap = np.max(np.diff(frequency), initial=0.0)
+    if gap > WIDEST_GAP * width.sum():
+        found.append(
+            f"a gap of {gap / 1e6:.6g} MHz divides channels that are {width.sum() / 1e6:.6g} MHz wide together; one of"
+            " their frequencies may be wrong"
+        )
+    if np.any(averaged > 0) and np.any(averaged == 0):
+        found.append(
+            "some channels are averages over a band and others are not, by their effective widths"
         )
     if np.any(averaged > WIDEST * channels.width):
         found.append(

@@ -4,13 +4,27 @@ from io import BytesIO
 from pathlib import Path
 
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import FigureCanvasBase
 from matplotlib.figure import Figure
 
 from uvshear.errors import InputError
-from uvshear.io.outputs import new_file
+from uvshear.io.outputs import check_file, new_file
 
 BLUE, ORANGE, GREY = "#0072b2", "#d55e00", "0.45"
 """Blue and vermilion of Okabe and Ito, which colour-blind readers can tell apart; in grey print the markers differ."""
+
+
+def check_picture(path: Path, *, overwrite: bool = False) -> None:
+    """Refuse a file to which no figure can be written, before anything is computed for the figure."""
+    check_file(path, overwrite=overwrite)
+    _check_format(path)
+
+
+def _check_format(path: Path) -> None:
+    if path.suffix.lower().removeprefix(".") not in FigureCanvasBase.get_supported_filetypes():
+        raise InputError(
+            f"{path}: the extension is not that of a picture; use .png, .pdf or .svg, for instance"
+        )
 
 
 def save(figure: Figure, path: Path, *, overwrite: bool = False) -> None:
@@ -25,11 +39,7 @@ def save(figure: Figure, path: Path, *, overwrite: bool = False) -> None:
     overwrite
         Whether an existing file may be replaced.
     """
-    known = figure.canvas.get_supported_filetypes()
-    if path.suffix.lower().removeprefix(".") not in known:
-        raise InputError(
-            f"{path}: the extension is not that of a picture; use .png, .pdf or .svg, for instance"
-        )
+    _check_format(path)
     # In memory, because matplotlib's writers hide an error of the disk behind others.
     picture = BytesIO()
     try:
