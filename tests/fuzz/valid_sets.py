@@ -23,6 +23,11 @@ def _as_any(new: Any, old: Any) -> Any:
     return np.ones(np.shape(new), bool)
 
 
+def _as_none(new: Any, old: Any) -> Any:
+    """Accept no other value."""
+    return np.zeros(np.shape(new), bool)
+
+
 def _within_range(new: Any, old: Any) -> Any:
     """Accept visibilities not much larger than the largest one that is there."""
     return np.isfinite(new) & (np.abs(new) <= 3 * np.abs(old).max())
@@ -58,46 +63,91 @@ OF_ROWS: Final[dict[str, Rule]] = {
     "UVW": _between_the_antennas,
     "FLAG": _as_any,
     "FLAG_ROW": _as_any,
+    "DATA_DESC_ID": _as_none,
+    "FIELD_ID": _as_none,
 }
 """Rules for single rows: of all rows, or of a part of a column, they would be told apart from what was observed."""
 
 UNCHANGED: Final = {
-    "": ("DATA_DESC_ID", "FIELD_ID"),
     "FIELD": ("PHASE_DIR",),
-    "SPECTRAL_WINDOW": ("CHAN_FREQ", "CHAN_WIDTH", "EFFECTIVE_BW"),
+    "SPECTRAL_WINDOW": ("CHAN_FREQ", "CHAN_WIDTH"),
     "POLARIZATION": ("CORR_TYPE",),
     "DATA_DESCRIPTION": ("SPECTRAL_WINDOW_ID", "POLARIZATION_ID"),
     "ANTENNA": ("POSITION",),
 }
 """Columns on which shapes depend."""
 
+ROUNDING: Final = 1e-7
+"""Difference of phase centres that no check can tell, 0.02 arcsec [rad]."""
+
+COPIED: Final = (
+    "DATA",
+    "WEIGHT_SPECTRUM",
+    "UVW",
+    "FLAG",
+    "FLAG_ROW",
+    "DATA_DESC_ID",
+    "FIELD_ID",
+    "TIME",
+)
+"""Columns that rows keep when others are removed."""
+
 
 def is_another_valid_set(path: Path, clean: Path) -> bool:
     """Tell whether all that differs could have been observed."""
+    if not _are_described_alike(path, clean):
+        return False
+    if _is_selection(path, clean):
+        return True
+    return (
+        _is_within_interval(path)
+        and _are_same_baselines(path, clean)
+        and all(_is_another_valid_column(path, clean, name) for name in OF_ROWS)
+    )
+
+
+def _are_described_alike(path: Path, clean: Path) -> bool:
+    """Tell whether the subtables are the same, but for what the data cannot show."""
     for table, columns in UNCHANGED.items():
         for column in columns:
             new, old = _cells(path / table, column), _cells(clean / table, column)
-            if not _are_equal(new, old):
+            if not _are_equal(new, old, ROUNDING if column == "PHASE_DIR" else 0.0):
                 return False
-    if not _is_within_interval(path) or not _are_same_baselines(path, clean):
+    windows = path / "SPECTRAL_WINDOW"
+    effective, width = (_cells(windows, name) for name in ("EFFECTIVE_BW", "CHAN_WIDTH"))
+    before = _cells(clean / "SPECTRAL_WINDOW", "EFFECTIVE_BW")
+    return _are_equal(effective, before) or _are_within(effective, width, before)
+
+
+def _are_within(
+    effective: list[Any] | None, width: list[Any] | None, before: list[Any] | None
+) -> bool:
+    """Tell whether channels that were averages are averages over about their width."""
+    if effective is None or width is None or before is None or len(effective) != len(before):
         return False
-    for column, rule in OF_ROWS.items():
-        new, old = (_stacked(one, column) for one in (path, clean))
-        if new is None or old is None or new.shape != old.shape:
-            return False
-        if column == "WEIGHT_SPECTRUM":
-            new, old = _of_stokes_i(new), _of_stokes_i(old)
-        differs = numbers_differ(new, old)
-        if column == "WEIGHT_SPECTRUM":
-            # By weights that are off by less than a factor of two, shapes change by less than noise.
-            differs &= (new < old / 2) | (new > 2.001 * old)
-        rows = differs.reshape(len(new), -1).any(axis=1)
-        if column == "UVW" and _is_rounding(new, old):
-            continue
-        is_too_many = rule is not _as_any and np.count_nonzero(rows) > FEW
-        if is_too_many or not rule(new, old)[differs].all():
-            return False
-    return True
+    return all(
+        np.shape(new) == np.shape(old)
+        and bool(np.all((new >= 0.5 * np.abs(most)) & (new <= 4 * np.abs(most)) & (old > 0)))
+        for new, most, old in zip(effective, width, before, strict=True)
+    )
+
+
+def _is_another_valid_column(path: Path, clean: Path, column: str) -> bool:
+    new, old = (_stacked(one, column) for one in (path, clean))
+    if new is None or old is None or new.shape != old.shape:
+        return False
+    if column == "WEIGHT_SPECTRUM":
+        new, old = _of_stokes_i(new), _of_stokes_i(old)
+    differs = numbers_differ(new, old)
+    if column == "WEIGHT_SPECTRUM":
+        # By weights that are off by less than a factor of two, shapes change by less than noise.
+        differs &= (new < old / 2) | (new > 2.001 * old)
+    if column == "UVW" and _is_rounding(new, old):
+        return True
+    rule = OF_ROWS[column]
+    rows = differs.reshape(len(new), -1).any(axis=1)
+    is_few = rule is _as_any or np.count_nonzero(rows) <= FEW
+    return bool(is_few and rule(new, old)[differs].all())
 
 
 def _is_within_interval(path: Path) -> bool:
@@ -123,10 +173,23 @@ def _cells(path: Path, column: str) -> list[Any] | None:
         return [table.getcell(column, row) for row in range(table.nrows())]
 
 
-def _are_equal(new: list[Any] | None, old: list[Any] | None) -> bool:
+def _are_equal(new: list[Any] | None, old: list[Any] | None, within: float = 0.0) -> bool:
     if new is None or old is None or len(new) != len(old):
         return new is old
-    return all(np.array_equal(one, other) for one, other in zip(new, old, strict=True))
+    return all(
+        np.array_equal(one, other)
+        or (np.shape(one) == np.shape(other) and np.max(np.abs(one - other)) <= within)
+        for one, other in zip(new, old, strict=True)
+    )
+
+
+def _is_selection(path: Path, clean: Path) -> bool:
+    """Tell whether rows were removed, and all others are as they were."""
+    new, old = ([_stacked(one, name) for name in COPIED] for one in (path, clean))
+    if any(column is None for column in (*new, *old)) or not 0 < len(new[0]) < len(old[0]):
+        return False
+    rows = {tuple(column[row].tobytes() for column in old) for row in range(len(old[0]))}
+    return all(tuple(column[row].tobytes() for column in new) in rows for row in range(len(new[0])))
 
 
 def _stacked(path: Path, column: str) -> Any:

@@ -20,5 +20,13 @@ def test_samples_left_out_without_a_flag_are_counted():
     )
 
 
+def test_autocorrelations_with_a_baseline_are_told():
+    counts = SampleCounts(rows=10, autocorrelations=7, autocorrelations_with_uvw=3)
+    (told,) = data_warnings(DataQuality("a.ms", counts=counts))
+    assert told == (
+        "a.ms: 3 rows have two equal antennas, but a UVW that is not zero; they are left out as autocorrelations"
+    )
+
+
 def test_notices_carry_the_name_of_the_data():
     assert data_warnings(DataQuality("a.ms", ("it is odd",))) == ("a.ms: it is odd",)

@@ -37,6 +37,7 @@ def test_autocorrelations_are_counted_and_left_out():
     found = rows([(0, 1), (1, 1), (1, 2)])
     found.flags[1:, 0, 1] = True
     found.correlations[0, 1] = np.nan
+    found.uvw[1] = 0.0
     seen = found.combine(FREQUENCY, AVERAGED)
     assert seen.integrations.antennas.tolist() == [[0, 1], [1, 2]]
     np.testing.assert_array_equal(seen.uvw, found.uvw[[0, 2]])
@@ -45,6 +46,13 @@ def test_autocorrelations_are_counted_and_left_out():
         rows=2, autocorrelations=1, samples=4, usable=2, flagged=1, non_finite=1
     )
     assert seen.counts == expected
+
+
+def test_autocorrelations_that_have_a_baseline_are_counted():
+    found = rows([(0, 1), (1, 1), (2, 2), (3, 3), (4, 4)])
+    found.uvw[1:] = [[0, 0, 0], [30, 40, 0], [0, 0, 0.5], [np.nan, 0, 0]]
+    counts = found.combine(FREQUENCY, AVERAGED).counts
+    assert (counts.autocorrelations, counts.autocorrelations_with_uvw) == (4, 1)
 
 
 @pytest.mark.parametrize(

@@ -135,7 +135,7 @@ def test_dishes_are_those_of_all_sets(pair):
     assert pointing_of(joint) == (0.0, 0.0)
     change(pair[1], "DISH_DIAMETER", 25.0, subtable="ANTENNA")
     with pytest.raises(InputError, match=f"{pair[1]}: its dishes differ from those of {pair[0]}"):
-        dish_diameters(joint)
+        dish_diameters(open_observation(pair))
 
 
 def test_a_format_of_chunks_alone_is_enough(tmp_path):

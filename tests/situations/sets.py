@@ -217,6 +217,13 @@ def longer_baseline(files: Files) -> None:
         main.putcell("UVW", row, 2 * uvw[row])
 
 
+def equal_antennas(files: Files) -> None:
+    """Rows whose second antenna is lost."""
+    with edited(files.field) as main:
+        for row in (10, 50, 90):
+            main.putcell("ANTENNA2", row, main.getcell("ANTENNA1", row))
+
+
 def unwritten(files: Files) -> None:
     """Rows at the end that an interrupted program has added and not filled."""
     with edited(files.field) as main:
@@ -386,6 +393,7 @@ _OF_THE_SET = (
     ("rows with UVW = 0", zero_baselines, noted("left out|UVW", 1e-3)),
     ("one UVW of 1e20 m", values("UVW", 1e20, rows=slice(7, 8)), noted("left out", 0.3)),
     ("one UVW of twice its length", longer_baseline, noted("unlike the distance", 0.3)),
+    ("rows with two equal antennas", equal_antennas, noted("3 rows have two equal antennas", 0.3)),
     ("rows that were never written", unwritten, refused("no value in 7 rows")),
     ("rows in any order", shuffled, ROUNDED),
     ("baselines both ways", swapped, ROUNDED),

@@ -57,4 +57,9 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
         )
         if number
     ]
+    if rows := counts.autocorrelations_with_uvw:
+        found.append(
+            f"{name}: {rows} rows have two equal antennas, but a UVW that is not zero; they are left out as"
+            " autocorrelations"
+        )
     return (*found, *(f"{name}: {notice}" for notice in quality.notices))

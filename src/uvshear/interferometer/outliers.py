@@ -55,7 +55,7 @@ def outlier_warning(name: str, samples: Samples, predict: Predict) -> str | None
     return (
         f"{name}: {beyond} of {number} visibilities that were looked at are more than {math.sqrt(2 * limit):.1f} times"
         " the noise away from the fitted sky; interference that is not flagged, wrong weights, or emission that the"
-        " catalogue lacks disturb the shapes"
+        " catalogue lacks can disturb the shapes"
     )
 
 

@@ -14,6 +14,8 @@ class SampleCounts:
         Rows with two different antennas.
     autocorrelations
         Rows left out because both antennas are the same.
+    autocorrelations_with_uvw
+        Those of them whose UVW is not that of one antenna, so that ANTENNA1 or ANTENNA2 may be wrong.
     samples
         Samples of Stokes I: rows times channels.
     usable
@@ -25,7 +27,8 @@ class SampleCounts:
     non_positive_weights
         Finite samples without a flag whose weight is zero or negative.
     impossible_uvw
-        Samples with weight whose UVW is not finite, zero, or longer than any baseline of the array.
+        Samples with weight whose UVW is not finite, is zero, is longer than any baseline of the array, or is not as
+        long as the distance between their antennas.
     impossible_times
         Other samples with weight whose time is not finite, or whose integration is negative or longer than a day.
     impossible_channels
@@ -38,6 +41,7 @@ class SampleCounts:
 
     rows: int = 0
     autocorrelations: int = 0
+    autocorrelations_with_uvw: int = 0
     samples: int = 0
     usable: int = 0
     flagged: int = 0

@@ -20,6 +20,10 @@ BYTES_PER_ROW: Final = 64
 """Memory that a row takes in addition to its samples: UVW, antennas, identifiers."""
 
 
+LONGEST_AUTOCORRELATION: Final = 1.0
+"""Length of UVW above which a row is not one of a single antenna [m]."""
+
+
 @dataclass(frozen=True)
 class CorrelatedRows:
     """Rows of one spectral window with the correlations that make Stokes I, of which there are one or two.
@@ -77,6 +81,7 @@ class CorrelatedRows:
         counts = SampleCounts(
             rows=len(cross),
             autocorrelations=len(self) - len(cross),
+            autocorrelations_with_uvw=self._with_uvw(~is_cross),
             samples=combined.weights.size,
             usable=usable,
             flagged=combined.weights.size - usable - combined.non_finite - combined.non_positive,
@@ -93,6 +98,12 @@ class CorrelatedRows:
             counts=counts,
             hand_powers=combined.hand_powers,
         )
+
+    def _with_uvw(self, chosen: Bool[Array, " row"]) -> int:
+        with np.errstate(invalid="ignore", over="ignore"):
+            return int(
+                np.count_nonzero(np.linalg.norm(self.uvw[chosen], axis=1) > LONGEST_AUTOCORRELATION)
+            )
 
 
 def hands_slice(hands: Sequence[int]) -> slice:

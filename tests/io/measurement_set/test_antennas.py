@@ -24,9 +24,10 @@ def _read(path):
 
 def test_positions_and_diameters_are_read(path):
     change(path, "DISH_DIAMETER", 25.0, rows=[1], subtable="ANTENNA")
-    positions, diameters = read_antennas(path)
-    assert positions.shape == (8, 3)
-    assert diameters[1] == 25.0
+    found = read_antennas(path)
+    assert found.positions.shape == (8, 3)
+    assert found.diameters[1] == 25.0
+    assert found.is_readable
 
 
 def _without_rows(path):
@@ -69,5 +70,15 @@ def test_visibilities_are_read_without_what_is_not_known_of_antennas(path, spoil
 
 def test_a_position_that_is_none_is_not_known(path):
     change(path, "POSITION", np.nan, rows=[2], subtable="ANTENNA")
-    positions, _ = read_antennas(path)
+    positions = read_antennas(path).positions
     assert np.flatnonzero(np.isnan(positions).any(axis=1)).tolist() == [2]
+
+
+@pytest.mark.parametrize(("spoil", "is_told"), [(_damaged, True), (_without_rows, False)])
+def test_a_table_that_cannot_be_read_is_told(path, spoil, is_told):
+    spoil(path)
+    notices = MeasurementSet(path).notices()
+    assert [
+        notice.startswith("the table ANTENNA cannot be read; the sign") for notice in notices
+    ] == ([True] * is_told)
+    assert MeasurementSet(path).dish_diameters().shape == (0,)

@@ -5,6 +5,7 @@ import pytest
 from casacore import tables
 
 from tests.io.measurement_sets import change, edited, emptied, simulated, written
+from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.array_size import array_size
 from uvshear.io.measurement_set.observation import MeasurementSet
 
@@ -16,7 +17,7 @@ def path(tmp_path):
 
 def _longest(path):
     with tables.table(str(path), ack=False) as main:
-        return array_size(path, main).longest_baseline
+        return array_size(main, read_antennas(path)).longest_baseline
 
 
 def test_it_is_that_of_the_array_with_a_margin(path):
@@ -53,7 +54,7 @@ def test_a_set_without_antennas_has_no_limit(path):
 
 def _wrong_ratio(path):
     with tables.table(str(path), ack=False) as main:
-        return array_size(path, main).wrong_ratio
+        return array_size(main, read_antennas(path)).wrong_ratio
 
 
 def test_baselines_that_are_not_the_distances_of_the_antennas_are_told(path):

@@ -78,6 +78,6 @@ def test_a_table_by_which_casacore_terminates_is_refused(fatal: Path, command: s
     ended = _ended(command, str(fatal), *(words.split() if command == "measure" else ()))
     assert ended.returncode == 2
     assert ended.stderr == (
-        f"uvshear: error: {fatal}: the main table cannot be read; it is damaged, and casacore gave up\n"
+        f"uvshear: error: {fatal}: is damaged; casacore ended the process (SIGABRT) when it read the set\n"
     )
     assert {path.name for path in fatal.parent.iterdir()} == {"cat.csv", fatal.name}

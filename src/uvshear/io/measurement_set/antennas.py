@@ -1,5 +1,6 @@
 """The antennas of a Measurement Set: their positions and dishes, so far as they are known."""
 
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -10,20 +11,35 @@ from uvshear.io.measurement_set.opening import casacore_errors, open_table
 from uvshear.typing import Array, Float
 
 
-def read_antennas(path: Path) -> tuple[Float[Array, "antenna 3"], Float[Array, " antenna"]]:
-    """Return the position [m] and the diameter of the dish [m] of each antenna.
+@dataclass(frozen=True)
+class KnownAntennas:
+    """KnownAntennas of a set, in the order of their numbers.
 
-    Positions that are not filled are NaN, and diameters that are not known 0. A table that cannot be read has no
-    antennas. Visibilities can be used without them.
+    Parameters
+    ----------
+    positions
+        Geocentric positions [m]; NaN where they are not filled.
+    diameters
+        Diameters of the dishes [m]; 0 where they are not known.
+    is_readable
+        Whether the table of antennas could be read; if not, there are none, and visibilities are used without them.
     """
+
+    positions: Float[Array, "antenna 3"] = field(default_factory=lambda: np.zeros((0, 3)))
+    diameters: Float[Array, " antenna"] = field(default_factory=lambda: np.zeros(0))
+    is_readable: bool = True
+
+
+def read_antennas(path: Path) -> KnownAntennas:
+    """Read the table ANTENNA."""
     try:
         with open_table(path, "ANTENNA") as table, casacore_errors(path, "ANTENNA"):
             return _read(table)
     except InputError:
-        return np.zeros((0, 3)), np.zeros(0)
+        return KnownAntennas(is_readable=False)
 
 
-def _read(table: tables.table) -> tuple[Float[Array, "antenna 3"], Float[Array, " antenna"]]:
+def _read(table: tables.table) -> KnownAntennas:
     count = table.nrows()
     positions, diameters = np.full((count, 3), np.nan), np.zeros(count)
     columns = table.colnames()
@@ -36,4 +52,4 @@ def _read(table: tables.table) -> tuple[Float[Array, "antenna 3"], Float[Array, 
             diameter = np.asarray(table.getcell("DISH_DIAMETER", row))
             if diameter.shape == () and diameter.dtype.kind in "fiu":
                 diameters[row] = diameter
-    return positions, diameters
+    return KnownAntennas(positions, diameters)

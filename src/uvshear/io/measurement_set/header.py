@@ -12,6 +12,7 @@ from casacore import tables
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.array_extent import ArrayExtent
+from uvshear.io.measurement_set.antennas import KnownAntennas, read_antennas
 from uvshear.io.measurement_set.array_size import array_size
 from uvshear.io.measurement_set.averaging_time import averaging_notice, rows_beyond_interval
 from uvshear.io.measurement_set.column_types import check_types
@@ -46,6 +47,8 @@ class Header:
         What is missing in the averaging times of the rows; None if nothing is.
     beyond_interval
         Number of rows whose EXPOSURE is longer than INTERVAL.
+    antennas
+        KnownAntennas of the set.
     extent
         The extent of the array by the positions of its antennas.
     """
@@ -57,6 +60,7 @@ class Header:
     weight_column: str
     averaging_notice: str | None
     beyond_interval: int = 0
+    antennas: KnownAntennas = default(default_factory=KnownAntennas)
     extent: ArrayExtent = default(default_factory=ArrayExtent)
 
     @property
@@ -95,6 +99,7 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
         _check_columns(path, main, column)
         with casacore_errors(path, "a column of the main table or of a subtable"):
             content = read_content(main)
+            antennas = read_antennas(path)
             chosen = choose_field(path, content.fields, field)
             descriptions = read_descriptions(path, content.of_fields(chosen.numbers))
             return Header(
@@ -109,7 +114,8 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
                     is_averaged=any(description.is_averaged for description in descriptions),
                 ),
                 beyond_interval=rows_beyond_interval(main),
-                extent=array_size(path, main),
+                antennas=antennas,
+                extent=array_size(main, antennas),
             )
 
 
@@ -132,6 +138,7 @@ def read_fields(path: Path) -> tuple[NamedField, ...]:
     check_is_measurement_set(path)
     with open_table(path) as main, casacore_errors(path, "FIELD_ID"):
         _check_rows(path, main)
+        check_types(path, main)
         return fields_with_rows(path, read_content(main).fields)
 
 

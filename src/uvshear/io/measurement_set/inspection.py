@@ -9,7 +9,7 @@ import numpy as np
 from uvshear.errors import InputError
 from uvshear.interferometer.stokes import CORRELATION_NAMES
 from uvshear.io.inspection import FieldContent, Inspection, Telescope, Window, examine
-from uvshear.io.measurement_set.antennas import read_antennas
+from uvshear.io.measurement_set.antennas import KnownAntennas
 from uvshear.io.measurement_set.descriptions import DataDescription
 from uvshear.io.measurement_set.fields import NamedField
 from uvshear.io.measurement_set.header import read_fields, visibility_columns
@@ -20,17 +20,22 @@ from uvshear.io.reading import Reading
 
 def inspect_measurement_set(path: Path, reading: Reading) -> Inspection:
     """Read a set once, all of its fields unless one is chosen."""
-    present = read_fields(path)
+    fields = list(observations_of(path, reading))
     with open_table(path) as main:
         columns = visibility_columns(main)
-    fields = [MeasurementSet.from_reading(path, one) for one in _readings(present, reading)]
     described = {one.identifier: one for field in fields for one in field.header.descriptions}
     return Inspection(
         tuple(_content(field) for field in fields),
-        _telescope(path),
+        _telescope(path, fields[0].header.antennas),
         columns,
         tuple(_window(described[identifier]) for identifier in sorted(described)),
     )
+
+
+def observations_of(path: Path, reading: Reading) -> Iterator[MeasurementSet]:
+    """Yield each field of a set as an observation, or the one that is chosen."""
+    for one in _readings(read_fields(path), reading):
+        yield MeasurementSet.from_reading(path, one)
 
 
 def _readings(present: Sequence[NamedField], reading: Reading) -> Iterator[Reading]:
@@ -65,8 +70,8 @@ def _content(field: MeasurementSet) -> FieldContent:
     )
 
 
-def _telescope(path: Path) -> Telescope:
-    _, diameters = read_antennas(path)
+def _telescope(path: Path, antennas: KnownAntennas) -> Telescope:
+    diameters = antennas.diameters
     known = tuple(float(diameter) for diameter in np.unique(diameters) if diameter > 0)
     return Telescope(_telescope_name(path), len(diameters), known)
 

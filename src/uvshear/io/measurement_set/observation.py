@@ -21,7 +21,6 @@ from uvshear.io.correlated_rows import (
     hands_slice,
     usable_chunks,
 )
-from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.averaging_time import averaging_time
 from uvshear.io.measurement_set.descriptions import DataDescription
 from uvshear.io.measurement_set.empty_cells import rows_without_value
@@ -157,6 +156,10 @@ class MeasurementSet:
             found.append(
                 f"EXPOSURE is longer than INTERVAL in {rows} rows; they are taken to be averages over EXPOSURE"
             )
+        if not self.header.antennas.is_readable:
+            found.append(
+                "the table ANTENNA cannot be read; the sign of UVW is not checked, and no dishes are known"
+            )
         if (notice := self.header.extent.notice) is not None:
             found.append(notice)
         for description in self.header.descriptions:
@@ -172,7 +175,7 @@ class MeasurementSet:
 
     def dish_diameters(self) -> Float[Array, " antenna"]:
         """Return DISH_DIAMETER of each antenna [m]; 0 where it is not given."""
-        return read_antennas(Path(self.path))[1]
+        return self.header.antennas.diameters
 
     def pointing_direction(self) -> PhaseCentre:
         """Return where the dishes pointed: REFERENCE_DIR of the field, or DELAY_DIR, or PHASE_DIR in a set without."""

@@ -29,6 +29,8 @@ def casacore_errors(path: Path, what: str) -> Iterator[None]:
     try:
         with told_if_terminated(path, what):
             yield
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: {what} has text that is not UTF-8; it is damaged") from error
     except (RuntimeError, OSError) as error:
         reason = " ".join(str(error).split())
         for words in NO_STORAGE_MANAGER:

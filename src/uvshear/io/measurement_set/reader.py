@@ -1,11 +1,13 @@
 """The reader of Measurement Sets."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import ClassVar
 
 from uvshear.io.inspection import Inspection
-from uvshear.io.measurement_set.inspection import inspect_measurement_set
+from uvshear.io.measurement_set.inspection import inspect_measurement_set, observations_of
 from uvshear.io.measurement_set.observation import MeasurementSet
+from uvshear.io.measurement_set.trial import check_by_trial
 from uvshear.io.readers import Reader
 from uvshear.io.reading import Reading
 
@@ -21,8 +23,15 @@ class MeasurementSetReader(Reader):
 
     def open(self, path: Path, reading: Reading) -> MeasurementSet:
         """Open a set."""
+        check_by_trial(path, lambda: _read_a_little([MeasurementSet.from_reading(path, reading)]))
         return MeasurementSet.from_reading(path, reading)
 
     def inspect(self, path: Path, reading: Reading) -> Inspection:
         """Read a set once, all of its fields unless one is chosen."""
+        check_by_trial(path, lambda: _read_a_little(observations_of(path, reading)))
         return inspect_measurement_set(path, reading)
+
+
+def _read_a_little(observations: Iterable[MeasurementSet]) -> None:
+    for observation in observations:
+        next(observation.unchecked_chunks(), None)

@@ -27,6 +27,15 @@ _reading: ContextVar[str | None] = ContextVar("_reading", default=None)
 """What this thread reads with casacore."""
 
 
+_is_silent: ContextVar[bool] = ContextVar("_is_silent", default=False)
+"""Whether another process tells why this one ends."""
+
+
+def be_silent() -> None:
+    """Let this process end without a word, and without the removal of files, which are another's."""
+    _is_silent.set(True)
+
+
 @contextmanager
 def told_if_terminated(path: Path, what: str) -> Iterator[None]:
     """If the block terminates the process, write one line to standard error and end with status 2.
@@ -56,7 +65,7 @@ def _install() -> tuple[Any, ...]:
     set_terminate.argtypes, set_terminate.restype = (_HANDLER,), ctypes.c_void_p
 
     def tell() -> None:
-        if (read := _reading.get()) is None:
+        if (read := _reading.get()) is None or _is_silent.get():
             # Another library is the cause; what it had installed is to answer.
             if earlier:
                 _HANDLER(earlier[0])()

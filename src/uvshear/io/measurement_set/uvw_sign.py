@@ -7,7 +7,6 @@ import numpy as np
 from uvshear.interferometer.baseline_lengths import ROWS_COMPARED
 from uvshear.interferometer.baseline_sense import sense_agrees
 from uvshear.interferometer.visibilities import Integrations
-from uvshear.io.measurement_set.antennas import read_antennas
 from uvshear.io.measurement_set.header import Header
 from uvshear.io.measurement_set.opening import casacore_errors, open_table
 
@@ -25,6 +24,7 @@ def uvw_sign_agrees(path: Path, header: Header) -> bool | None:
             if header.is_only_field
             else np.isin(chosen.getcol("FIELD_ID"), header.field.numbers)
         )
-    positions, _ = read_antennas(path)
     compared = Integrations(antennas, time, np.zeros(len(rows))).select(same_field)
-    return sense_agrees(stored[same_field], compared, positions, header.phase_centre)
+    return sense_agrees(
+        stored[same_field], compared, header.antennas.positions, header.phase_centre
+    )
