@@ -31,6 +31,17 @@ def test_they_are_found(path):
     np.testing.assert_array_equal(found.rows["DATA"], [rows - 3, rows - 2, rows - 1])
 
 
+def test_they_are_found_in_a_column_whose_unit_nobody_knows(path):
+    """pyuvdata writes "uncalib"."""
+    with edited(path) as main:
+        main.putcolkeyword("DATA", "QuantumUnits", ["uncalib"])
+        with pytest.raises(RuntimeError, match="uncalib"):
+            main.query("!isdefined(DATA)")
+        found = rows_without_value(main, ("DATA", "FLAG"))
+    assert found.rows["DATA"].tolist() == [1680, 1681, 1682]
+    assert list(found.rows) == ["DATA"]
+
+
 def test_a_set_that_was_written_completely_has_none(tmp_path):
     with tables.table(str(written(tmp_path)), ack=False) as main:
         assert rows_without_value(main, ("TIME", "DATA", "FLAG")).rows == {}

@@ -43,11 +43,16 @@ class EmptyCells:
 
 
 def rows_without_value(main: tables.table, columns: Sequence[str]) -> EmptyCells:
-    """Find the rows without a value, at 10 ns for each row and column; columns of a fixed shape have all values."""
-    found = {}
-    for column in columns:
-        if main.isvarcol(column):
-            rows = np.asarray(main.query(f"!isdefined({column})").rownumbers(), dtype=np.int64)
-            if len(rows):
-                found[column] = rows
-    return EmptyCells(found)
+    """Find the rows without a value; columns of a fixed shape have all values."""
+    found = {column: _rows(main, column) for column in columns if main.isvarcol(column)}
+    return EmptyCells({column: rows for column, rows in found.items() if len(rows)})
+
+
+def _rows(main: tables.table, column: str) -> Int[Array, " row"]:
+    try:
+        # 10 ns for each row
+        rows = main.query(f"!isdefined({column})").rownumbers()
+    except RuntimeError:
+        # casacore's query language refuses columns whose unit it does not know, such as "uncalib"; 300 ns for each row
+        rows = [row for row in range(main.nrows()) if not main.iscelldefined(column, row)]
+    return np.asarray(rows, dtype=np.int64)
