@@ -2,6 +2,8 @@
 
 import os
 
+from uvshear.execution.copied_crew import CAN_COPY
+from uvshear.execution.copies import Copies
 from uvshear.execution.executor import Executor
 from uvshear.execution.processes import Processes
 from uvshear.execution.serial import Serial
@@ -23,3 +25,11 @@ def in_processes(count: int = 0) -> Executor:
     """Return an executor with this number of processes; 0 stands for the number of cores."""
     count = count or available_cores()
     return Processes(count) if count > 1 else Serial()
+
+
+def in_copies(count: int = 0) -> Executor:
+    """Return an executor with this number of copies of the process; 0 stands for the number of cores."""
+    count = count or available_cores()
+    if count == 1:
+        return Serial()
+    return Copies(count) if CAN_COPY else Threads(count)
