@@ -266,7 +266,7 @@ def bias(
 
     from uvshear.bias import Survey, estimate_bias, opposite_shears
     from uvshear.constants import ARCSEC, MICROJANSKY
-    from uvshear.execution import Resources, in_copies
+    from uvshear.execution import Resources, in_processes
     from uvshear.geometry.directions import PhaseCentre
     from uvshear.interferometer.coverage import Track
     from uvshear.interferometer.layout import load_layout
@@ -309,7 +309,7 @@ def bias(
             seed=seed,
             survey=survey,
             density=density,
-            resources=Resources(in_copies(threads)),
+            resources=Resources(in_processes(threads)),
             progress=progress,
         )
     write_bias(output, found, provenance(context), overwrite=overwrite)

@@ -106,7 +106,7 @@ def shear(
 ) -> None:
     """Estimate the shear of measured galaxies, in the frame of local North, in total and by flux."""
     from uvshear.constants import MICROJANSKY
-    from uvshear.execution import in_copies
+    from uvshear.execution import in_processes
     from uvshear.io.outputs import check_file
     from uvshear.io.shear_records import write_shear
     from uvshear.pipeline.measurement import companions
@@ -126,7 +126,7 @@ def shear(
             flux_min=flux_min_ujy * MICROJANSKY,
             patches=patches,
             correction=calibration,
-            executor=in_copies(threads),
+            executor=in_processes(threads),
             progress=progress,
         )
     if output is not None:

@@ -113,7 +113,7 @@ class CopiedCrew(Crew[Shared]):
     ) -> Iterator[Any]:
         idle = deque(self._copies)
         busy: dict[socket.socket, tuple[_Copy, int]] = {}
-        known: dict[int, Any] = {}
+        known: dict[int, tuple[bool, Any]] = {}
         wanted, is_all = 0, False
         while True:
             while idle and not is_all and len(known) + len(busy) < AHEAD * self._workers:
@@ -126,7 +126,10 @@ class CopiedCrew(Crew[Shared]):
                 copy.news = []
                 busy[copy.channel] = copy, task[0]
             while wanted in known:
-                yield known.pop(wanted)
+                is_error, found = known.pop(wanted)
+                if is_error:
+                    raise found
+                yield found
                 wanted += 1
             if not busy:
                 if is_all:
@@ -134,10 +137,7 @@ class CopiedCrew(Crew[Shared]):
                 continue
             for channel in select.select(tuple(busy), (), ())[0]:
                 copy, number = busy.pop(channel)
-                is_error, found = _received(channel)
-                if is_error:
-                    raise found
-                known[number] = found
+                known[number] = _received(channel)
                 idle.append(copy)
 
 
