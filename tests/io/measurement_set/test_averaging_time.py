@@ -52,7 +52,13 @@ def _without(path, target, columns):
 
 def test_a_set_may_lack_exposure(tmp_path):
     path = _without(written(tmp_path, is_averaged=True), tmp_path / "less.ms", ["EXPOSURE"])
-    assert _intervals(path) == ([60.0], ())
+    told = "there is no column EXPOSURE; visibilities are taken to be averages over INTERVAL"
+    assert _intervals(path) == ([60.0], (told,))
+
+
+def test_a_set_that_is_not_averaged_needs_no_exposure(tmp_path):
+    path = _without(written(tmp_path), tmp_path / "less.ms", ["EXPOSURE"])
+    assert _intervals(path)[1] == ()
 
 
 UNKNOWN = "no row has an EXPOSURE or an INTERVAL; smearing in time is not in the model"

@@ -69,7 +69,7 @@ def averaging_notice(main: tables.table, rows: Sequence[int], *, is_averaged: bo
             " model"
         )
     if "EXPOSURE" not in columns:
-        return None
+        return "there is no column EXPOSURE; visibilities are taken to be averages over INTERVAL"
     return "EXPOSURE is 0 although the channels are averages; visibilities are taken to be averages over INTERVAL"
 
 
