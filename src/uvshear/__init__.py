@@ -28,7 +28,7 @@ Algorithm: ``Method``
     ``ConvergedExtraction`` or ``PaperExtraction``, a ``UvRange``, and weightings: ``Uniform``, ``Briggs``,
     ``GaussianTaper``, ``TukeyTaper`` and ``RoundPsf``.
 Cores and memory: ``Resources``
-    The executor is ``Serial``, ``Threads`` or ``Processes``.
+    The executor is ``Serial``, ``Copies``, ``Threads`` or ``Processes``.
 Shear
     ``estimate_shear`` returns a ``ShearEstimate``, for which it uses ``Mean``, ``Moments``, ``Bayesian`` or
     ``Metacal``; ``write_shear`` writes the estimate to a file.
@@ -80,6 +80,7 @@ if TYPE_CHECKING:
         UnlensedPopulation,
     )
     from uvshear.execution import (
+        Copies,
         Executor,
         Processes,
         Resources,
@@ -173,7 +174,7 @@ _HOMES = {
     "estimators": (
         "Bayesian Bias Estimator Mean Metacal Moments Sample ShearEstimate Terms UnlensedPopulation"
     ),
-    "execution": "Executor Processes Resources Serial Threads",
+    "execution": "Copies Executor Processes Resources Serial Threads",
     "extraction": "ConvergedExtraction Extraction Method Model PaperExtraction",
     "galaxy": (
         "CatalogueSize DiscBulge DiscEllipticityPrior EllipticityPrior Exponential "
@@ -228,6 +229,7 @@ __all__ = [
     "Channels",
     "Column",
     "ConvergedExtraction",
+    "Copies",
     "CorrelationNoise",
     "CosineCubedBeam",
     "CosineTaperBeam",

@@ -24,7 +24,7 @@ from uvshear.estimators.mean import Mean
 from uvshear.estimators.metacal import Metacal
 from uvshear.estimators.moments import Moments
 from uvshear.estimators.terms import Terms
-from uvshear.execution import Processes, Threads
+from uvshear.execution import Copies, Processes, Threads
 from uvshear.galaxy import PowerLawFlux, Sersic
 from uvshear.simulation.lensing import shear_at_fixed_scale_length
 from uvshear.simulation.population import Population
@@ -73,7 +73,7 @@ def test_moments_bear_known_errors_of_the_position(experiment):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("executor", [Threads(2), Processes(2)])
+@pytest.mark.parametrize("executor", [Threads(2), Processes(2), Copies(2)])
 def test_the_executor_changes_no_bit(experiment, moments, executor):
     alone = estimate_isolated_bias(experiment, moments, 100)
     together = estimate_isolated_bias(experiment, moments, 100, executor)

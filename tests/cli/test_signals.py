@@ -62,8 +62,8 @@ def _workers(session: int) -> list[str]:
     found = []
     for process in Path("/proc").glob("[0-9]*"):
         try:
-            words = (process / "cmdline").read_text()
-            if os.getsid(int(process.name)) == session and "spawn_main" in words:
+            is_other = int(process.name) != session
+            if is_other and os.getsid(int(process.name)) == session:
                 found.append(process.name)
         except OSError:
             continue

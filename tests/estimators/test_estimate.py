@@ -17,7 +17,7 @@ from uvshear.estimators.moments import Moments
 from uvshear.estimators.packing import pack
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.terms import Terms
-from uvshear.execution import SERIAL, Processes, Serial, Threads
+from uvshear.execution import SERIAL, Copies, Processes, Serial, Threads
 from uvshear.geometry.directions import PhaseCentre, local_north
 from uvshear.geometry.ellipticity import to_field_frame
 from uvshear.progress import Meter
@@ -73,7 +73,7 @@ def test_terms_are_the_same_however_a_sample_is_divided(sample, estimator):
     _same(Terms.joined(parts), whole)
 
 
-@pytest.mark.parametrize("executor", [Threads(3), Processes(2)])
+@pytest.mark.parametrize("executor", [Threads(3), Processes(2), Copies(2)])
 def test_terms_are_the_same_bit_by_bit_whatever_the_executor(sample, executor):
     for estimator in (Mean(), Moments(), Metacal(), Bayesian()):
         alone, together = (

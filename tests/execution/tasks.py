@@ -2,6 +2,7 @@
 
 import os
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -54,3 +55,38 @@ class Meeting:
 
     def __call__(self, task: int) -> int:
         return self.barrier.wait()
+
+
+class Ledger:
+    """An object that a crew shares: a number that it is told, and memory that its copies see."""
+
+    def __init__(self, memory: np.ndarray) -> None:
+        self.memory, self.number = memory, 0
+
+    def adopt(self, number: int) -> None:
+        self.number = number
+
+
+def entry(ledger: Ledger, task: int) -> tuple[int, float, int]:
+    return ledger.number, float(ledger.memory[0]), task
+
+
+def failing(_: object, task: int) -> int:
+    if task == 3:
+        raise ValueError(f"task {task}")
+    return task
+
+
+def ended(_: object, task: int) -> int:
+    if task == 3:
+        os.kill(os.getpid(), 9)
+    return task
+
+
+def slow_first(_: object, task: int) -> int:
+    time.sleep(0.3 if task == 1 else 0.0)
+    return task
+
+
+def large(_: object, task: int) -> np.ndarray:
+    return np.full(1_000_000, task)

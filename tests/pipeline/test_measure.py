@@ -22,7 +22,7 @@ from tests.pipeline.fields import (
 from tests.skies import galaxies, vla
 from uvshear.constants import ARCSEC
 from uvshear.errors import DataWarning, InputError, NothingMeasuredWarning
-from uvshear.execution import Resources, Serial, Threads
+from uvshear.execution import Copies, Resources, Serial, Threads
 from uvshear.extraction import ConvergedExtraction, PaperExtraction
 from uvshear.extraction.paper.cell_average import CellAverageFacets
 from uvshear.galaxy import DiscEllipticityPrior
@@ -133,8 +133,9 @@ def _numbers(table):
     return np.array([table[name] for name in COLUMNS if name not in ("id", "flag")])
 
 
-def test_threads_change_no_bit(field, shapes):
-    other = measured(field.observation, field.catalogue, resources=Resources(Threads(2)))
+@pytest.mark.parametrize("executor", [Threads(2), Copies(2), Copies(3)])
+def test_executors_change_no_bit(field, shapes, executor):
+    other = measured(field.observation, field.catalogue, resources=Resources(executor))
     np.testing.assert_array_equal(_numbers(other.shapes), _numbers(shapes))
 
 

@@ -147,7 +147,7 @@ def _stop(
     """Interrupt the command; if compiled code does not return soon, end the process at once."""
     interrupt = ctypes.py_object(KeyboardInterrupt)
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(worker.ident or 0), interrupt)
-    from uvshear.execution import end_processes  # noqa: PLC0415 - help must not wait for it
+    from uvshear.execution import end_copies, end_processes  # noqa: PLC0415 - help must not wait for it
 
     event: Outcome | EndRequest = ending
     with suppress(Empty):
@@ -160,6 +160,7 @@ def _stop(
     if not isinstance(event, Outcome) or threading.active_count() > 1:
         _told(stopped)
         end_processes()
+        end_copies()
         os._exit(stopped.status)
     return stopped
 

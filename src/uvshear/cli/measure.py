@@ -270,7 +270,7 @@ def measure(
 
     from uvshear.constants import ARCSEC
     from uvshear.estimators.registry import estimators_of
-    from uvshear.execution import Resources, in_threads
+    from uvshear.execution import Resources, in_copies
     from uvshear.extraction import MeasurementOptions, Method, Model
     from uvshear.pipeline.measure import measure as measure_sources
     from uvshear.pipeline.measurement import check_outputs, companions
@@ -288,7 +288,7 @@ def measure(
         uv_range=uv_range,
         weightings=weights.weightings(uv_min or 0.0, uv_max),
     )
-    executor = in_threads(threads)
+    executor = in_copies(threads)
     resources = Resources(executor) if memory_gb is None else Resources(executor, memory_gb * 1e9)
     # Options that cannot be combined are refused before anything is read.
     MeasurementOptions(method=method, resources=resources, keep=kept)

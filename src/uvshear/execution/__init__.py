@@ -5,7 +5,10 @@ another one needs the methods of ``executor.Executor`` and nothing else. Functio
 as an argument, which is ``SERIAL`` unless given.
 """
 
-from uvshear.execution.cores import available_cores, in_processes, in_threads
+from uvshear.execution.copied_crew import end_copies
+from uvshear.execution.copies import Copies
+from uvshear.execution.cores import available_cores, in_copies, in_processes, in_threads
+from uvshear.execution.crew import Crew
 from uvshear.execution.executor import Executor
 from uvshear.execution.libraries import single_threaded_libraries
 from uvshear.execution.processes import Processes, end_processes
@@ -18,13 +21,17 @@ SERIAL = Serial()
 
 __all__ = [
     "SERIAL",
+    "Copies",
+    "Crew",
     "Executor",
     "Processes",
     "Resources",
     "Serial",
     "Threads",
     "available_cores",
+    "end_copies",
     "end_processes",
+    "in_copies",
     "in_processes",
     "in_threads",
     "single_threaded_libraries",

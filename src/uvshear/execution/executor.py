@@ -2,11 +2,9 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
-from typing import TypeVar
+from contextlib import AbstractContextManager, nullcontext
 
-Task = TypeVar("Task")
-Shared = TypeVar("Shared")
-Result = TypeVar("Result")
+from uvshear.execution.crew import Crew, LocalCrew, Result, Shared, Task
 
 
 class Executor(ABC):
@@ -45,3 +43,7 @@ class Executor(ABC):
         ``function`` is defined in a module; ``shared`` is sent to each worker once. Both must be picklable, as must
         tasks and results.
         """
+
+    def crew(self, shared: Shared) -> AbstractContextManager[Crew[Shared]]:
+        """Return workers that hold an object for a while, and are told how it changes; within this process at first."""
+        return nullcontext(LocalCrew(shared, self.map))

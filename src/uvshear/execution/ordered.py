@@ -6,7 +6,7 @@ from concurrent.futures import Executor as Pool
 from concurrent.futures import Future
 from itertools import islice
 
-from uvshear.execution.executor import Result, Task
+from uvshear.execution.crew import Result, Task
 
 
 def ordered_results(

@@ -14,7 +14,8 @@ from multiprocessing.reduction import ForkingPickler
 from typing import TYPE_CHECKING, Any
 
 from uvshear.errors import InputError
-from uvshear.execution.executor import Executor, Result, Shared, Task
+from uvshear.execution.crew import Result, Shared, Task
+from uvshear.execution.executor import Executor
 from uvshear.execution.libraries import limit_libraries
 from uvshear.execution.ordered import ordered_results
 from uvshear.execution.threads import Threads

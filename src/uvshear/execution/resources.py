@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass, field
 
 from uvshear.errors import InputError
-from uvshear.execution.cores import in_threads
+from uvshear.execution.cores import in_copies
 from uvshear.execution.executor import Executor
 
 
@@ -20,13 +20,13 @@ class Resources:
     Parameters
     ----------
     executor
-        Executor of everything that can be done in parallel; threads on all cores unless given.
+        Executor of everything that can be done in parallel; copies of the process on all cores unless given.
     memory
         Memory for the visibilities and images that are processed at the same time [bytes]; half of the machine's memory
         unless given.
     """
 
-    executor: Executor = field(default_factory=in_threads)
+    executor: Executor = field(default_factory=in_copies)
     memory: float = field(default_factory=half_of_memory)
 
     def __post_init__(self) -> None:

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
-from uvshear.execution.executor import Executor, Result, Shared, Task
+from uvshear.execution.crew import Result, Shared, Task
+from uvshear.execution.executor import Executor
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from functools import partial
 
 from uvshear.errors import InputError
-from uvshear.execution.executor import Executor, Result, Shared, Task
+from uvshear.execution.crew import Result, Shared, Task
+from uvshear.execution.executor import Executor
 from uvshear.execution.ordered import ordered_results
 
 

@@ -12,6 +12,7 @@ from uvshear.extraction.converged.beams import BeamPlan, gather_beams
 from uvshear.extraction.converged.couplings import Couplings, couple
 from uvshear.extraction.converged.interaction import Interaction
 from uvshear.extraction.converged.plan import FacetRequests, plan_major_cycle
+from uvshear.galaxy import Profile
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
 from uvshear.predict.response import Response
 from uvshear.shapes.measurement import GalaxyFit
@@ -43,4 +44,26 @@ def coupled_galaxies():
     beams = gather_beams(observation, beam_plan, Response.from_sky(sky), GRIDDING)
     interaction = Interaction(plan, beams, PROFILE)
     fits = [GalaxyFit(float(flux), np.zeros(2), 0.2 - 0.1j, 4 * ARCSEC, 10.0) for flux in sky.flux]
-    return Coupled(lm, fits, interaction, couple(fits, interaction, PROFILE, SERIAL))
+    return Coupled(lm, fits, interaction, couplings_of(fits, interaction, SERIAL))
+
+
+@dataclass(frozen=True)
+class Now:
+    """As much of the state of a sky as couplings take."""
+
+    fits: tuple[GalaxyFit, ...]
+    interaction: Interaction
+    profile: Profile
+
+
+@dataclass(frozen=True)
+class Sky:
+    """A sky that stays as it is."""
+
+    now: Now
+
+
+def couplings_of(fits, interaction, executor):
+    now = Now(tuple(fits), interaction, PROFILE)
+    with executor.crew(Sky(now)) as crew:
+        return couple(now, crew)

@@ -5,12 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from tests.extraction.converged.coupled_galaxies import coupled_galaxies
+from tests.extraction.converged.coupled_galaxies import coupled_galaxies, couplings_of
 from tests.extraction.converged.fisher_matrices import PAIRS, SIX, fisher_matrix, parts_of
-from tests.extraction.converged.major_cycles import PROFILE
 from tests.reference import likelihood
-from uvshear.execution import in_threads
-from uvshear.extraction.converged.couplings import CouplingBlocks, couple
+from uvshear.execution import Copies, Threads
+from uvshear.extraction.converged.couplings import CouplingBlocks
 
 
 def test_blocks_grow_with_the_fluxes_since_they_were_worked_out():
@@ -103,7 +102,8 @@ def test_a_block_is_the_product_of_the_galaxies_derivatives_under_the_beam(coupl
     assert set(own) == set(range(10))
 
 
-def test_threads_do_not_change_a_bit(coupled):
-    again = couple(coupled.fits, coupled.interaction, PROFILE, in_threads(2))
-    np.testing.assert_array_equal(again.blocks, coupled.couplings.blocks)
-    np.testing.assert_array_equal(again.first, coupled.couplings.first)
+def test_executors_do_not_change_a_bit(coupled):
+    for executor in (Threads(2), Copies(2)):
+        again = couplings_of(coupled.fits, coupled.interaction, executor)
+        np.testing.assert_array_equal(again.blocks, coupled.couplings.blocks)
+        np.testing.assert_array_equal(again.first, coupled.couplings.first)

@@ -12,7 +12,7 @@ from uvshear.constants import ARCMIN, ARCSEC
 from uvshear.estimators.bayesian import Bayesian
 from uvshear.estimators.metacal import Metacal
 from uvshear.estimators.moments import Moments
-from uvshear.execution import SERIAL, Resources, in_threads
+from uvshear.execution import SERIAL, Copies, Resources
 from uvshear.extraction import ConvergedExtraction, MeasurementOptions, Method, Model
 from uvshear.extraction.converged import extraction as converged
 from uvshear.extraction.converged import major_cycle
@@ -89,7 +89,7 @@ def test_the_metadata_tell_that_the_sky_has_converged(shapes):
 def test_threads_change_no_bit(array, shapes):
     catalogue = catalogue_from_galaxies(SKY, array[1])
     again = measure(
-        _observe(SKY, array), catalogue, replace(OPTIONS, resources=Resources(in_threads(3)))
+        _observe(SKY, array), catalogue, replace(OPTIONS, resources=Resources(Copies(3)))
     )
     for name in ("e1", "e2", "e1_err", "flux_fit", "dl"):
         assert np.array_equal(again[name], shapes[name])
@@ -111,7 +111,7 @@ def test_memory_threads_and_chunks_change_no_bit_of_shapes_and_statistics(array,
         extract(seen, catalogue, replace(OPTIONS, resources=resources, keep=estimators))
         for seen, resources, estimators in (
             (observation, Resources(SERIAL, 64e9), kept),
-            (VisibilitySet(array[1], parts), Resources(in_threads(3), 1e6), kept),
+            (VisibilitySet(array[1], parts), Resources(Copies(3), 1e6), kept),
         )
     )
     assert sorted(first.kept) == list(range(len(SKY)))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.extraction.converged.states import nothing, touching_pair
-from uvshear.execution import SERIAL, in_threads
+from uvshear.execution import SERIAL, Copies
 from uvshear.extraction.converged.minor_cycle import MOST_ITERATIONS, run_minor_cycle
 from uvshear.shapes.normal_equations import normal_equations
 
@@ -90,7 +90,7 @@ def test_couplings_that_are_known_are_taken(first):
 
 
 def test_executors_change_no_bit(prepared, first):
-    state, moves = run_minor_cycle(prepared.state, TOLERANCE, in_threads(2), nothing, afresh=True)
+    state, moves = run_minor_cycle(prepared.state, TOLERANCE, Copies(2), nothing, afresh=True)
     assert moves == first[1]
     np.testing.assert_array_equal(prepared.ellipticities(state), prepared.ellipticities(first[0]))
 

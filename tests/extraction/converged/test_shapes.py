@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.extraction.converged.states import nothing, touching_pair
-from uvshear.execution import SERIAL, in_threads
+from uvshear.execution import SERIAL, Copies
 from uvshear.extraction.converged.history import History
 from uvshear.extraction.converged.minor_cycle import run_minor_cycle
 from uvshear.extraction.converged.shapes import measure_shapes
@@ -62,9 +62,7 @@ def test_a_weight_correction_widens_errors_too(prepared, state, shapes):
 
 def test_executors_change_no_bit_and_every_shape_is_heard_of(prepared, state, shapes):
     heard = []
-    again = measure_shapes(
-        state, prepared.modelled, CONVERGED, in_threads(2), lambda: heard.append(1)
-    )
+    again = measure_shapes(state, prepared.modelled, CONVERGED, Copies(2), lambda: heard.append(1))
     assert len(heard) == 2
     for source in (0, 1):
         np.testing.assert_array_equal(again[source].ellipticity, shapes[source].ellipticity)

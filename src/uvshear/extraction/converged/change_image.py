@@ -4,6 +4,7 @@ from typing import Self
 
 import numpy as np
 
+from uvshear.execution.shared_memory import shared_zeros
 from uvshear.extraction.converged.beams import SIZE
 from uvshear.extraction.converged.interaction import WINDOW, Interaction
 from uvshear.typing import Array, Complex, Float
@@ -31,8 +32,8 @@ class ChangeImage:
         self._origin = self._places.min(axis=0) - margin
         shape = self._places.max(axis=0) + margin + 1 - self._origin
         # Zeros that nobody writes take no memory: places without sources cost nothing.
-        self._pixels = np.zeros(tuple(shape), np.float32)
-        self._plateau = np.zeros(len(self._places))
+        self._pixels = shared_zeros(shape.tolist(), np.float32)
+        self._plateau = shared_zeros((len(self._places),), np.float64)
 
     def copy(self) -> Self:
         """Return an independent image of the same changes."""
@@ -42,7 +43,7 @@ class ChangeImage:
         for i, j in np.unique(np.concatenate(corners), axis=0) * BLOCK:
             block = slice(i, i + BLOCK), slice(j, j + BLOCK)
             other._pixels[block] = self._pixels[block]
-        other._plateau = self._plateau.copy()
+        other._plateau[:] = self._plateau
         return other
 
     def add(self, source: int, change: Float[Array, "l m"]) -> None:
@@ -52,7 +53,7 @@ class ChangeImage:
 
     def set_flux_changes(self, changes: Float[Array, " source"]) -> None:
         """Set the change of every source's flux since the last major cycle [Jy]."""
-        self._plateau = self._interaction.far @ changes
+        self._plateau[:] = self._interaction.far @ changes
 
     def subtract_from(self, facet: Complex[Array, " cell"], source: int) -> None:
         """Subtract all changes, including those of the source, from its residual facet (not yet recentred)."""

@@ -4,19 +4,20 @@ The blocks between sources only have to give an ascent direction. They are there
 the baselines and end at some distance, beyond which the plateau of the beam couples fluxes alone.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
 
-from uvshear.execution import Executor
-from uvshear.extraction.converged.interaction import Interaction
-from uvshear.galaxy import Profile
-from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.normal_equations import fisher_blocks
 from uvshear.shapes.template import PARAMETERS
 from uvshear.typing import Array, Float, Int
+
+if TYPE_CHECKING:
+    from uvshear.extraction.converged.moving_sky import MovingSky, SkyCrew
+    from uvshear.extraction.converged.sky_state import SkyState
 
 
 @dataclass(frozen=True)
@@ -80,30 +81,15 @@ class Couplings:
         return sparse.bsr_matrix((blocks[order], columns[order], starts), shape=shape)
 
 
-def couple(
-    fits: Sequence[GalaxyFit], interaction: Interaction, profile: Profile, executor: Executor
-) -> Couplings:
+def couple(now: "SkyState", crew: "SkyCrew") -> Couplings:
     """Compute the couplings of all sources with their present parameters."""
+    interaction, fits = now.interaction, now.fits
     place, reach = interaction.plan.centres, interaction.reach
-
-    def work(task: tuple[list[int], list[int]]) -> tuple[list[int], Array]:
-        own, others = task
-        centre = place[own[0]]
-        members = own + others
-        blocks = fisher_blocks(
-            [tuple(place[k] - centre) for k in members],
-            [fits[k] for k in members],
-            profile,
-            interaction.short_plane_around(own[0]),
-            len(own),
-        )
-        return members, blocks
-
     interaction.work_out_planes()
     first, second = [np.zeros(0, int)], [np.zeros(0, int)]
     values = [np.zeros((0, PARAMETERS, PARAMETERS))]
     own = np.zeros((len(place), PARAMETERS, PARAMETERS))
-    for members, blocks in executor.map(work, _boxes(place, reach)):
+    for members, blocks in crew.map(_blocks, _boxes(place, reach)):
         index = np.array(members)
         apart = place[index][None, :] - place[index[: len(blocks)]][:, None]
         a, b = np.nonzero(np.hypot(apart[..., 0], apart[..., 1]) <= reach)
@@ -119,6 +105,23 @@ def couple(
     flux = np.array([fit.flux for fit in fits])
     pairs = np.concatenate(first), np.concatenate(second)
     return Couplings(*pairs, blocks, own, interaction.far, flux)
+
+
+def _blocks(
+    sky: "MovingSky", task: tuple[list[int], list[int]]
+) -> tuple[list[int], Float[Array, "own 6 member 6"]]:
+    """Return the members of a box with its neighbours, and the blocks between its own sources and all members."""
+    own, others = task
+    now, members = sky.now, own + others
+    place, centre = now.interaction.plan.centres, now.interaction.plan.centres[own[0]]
+    blocks = fisher_blocks(
+        [tuple(place[k] - centre) for k in members],
+        [now.fits[k] for k in members],
+        now.profile,
+        now.interaction.short_plane_around(own[0]),
+        len(own),
+    )
+    return members, blocks
 
 
 def _boxes(place: Float[Array, "source 2"], side: float) -> Iterator[tuple[list[int], list[int]]]:

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 
 from uvshear.execution import Executor
 from uvshear.extraction.converged.couplings import Couplings, couple
-from uvshear.extraction.converged.moving_sky import MovingSky
+from uvshear.extraction.converged.moving_sky import MovingSky, SkyCrew
 from uvshear.extraction.converged.sky_state import Linearisation, SkyState
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.normal_equations import NormalEquations, normal_equations
@@ -41,7 +41,11 @@ _FIXED = 1e9
 
 
 def step_jointly(
-    sky: MovingSky, couplings: Couplings | None, tolerance: float, executor: Executor
+    sky: MovingSky,
+    couplings: Couplings | None,
+    tolerance: float,
+    crew: SkyCrew,
+    executor: Executor,
 ) -> tuple[Float[Array, " source"], Linearisation]:
     """Let all sources but those in groups take one Gauss-Newton step together.
 
@@ -49,9 +53,9 @@ def step_jointly(
     change of each source in units of the noise, and the equations that were solved.
     """
     now = sky.now
-    equations = _linearise(now, executor)
+    equations = tuple(crew.map(_equations, range(len(now.fits))))
     if couplings is None:
-        couplings = couple(now.fits, now.interaction, now.profile, executor)
+        couplings = couple(now, crew)
     is_fixed = now.neighbourhood.is_grouped | np.array(
         [_is_stuck(now, source) for source in range(len(now.fits))]
     )
@@ -63,16 +67,16 @@ def step_jointly(
     ]
     length = np.array([_step_length(now, equations[k], k, new) for k, new in enumerate(after)])
     movers = np.flatnonzero(length > SMALLEST_STEP * tolerance).tolist()
-    sky.move(movers, [after[k] for k in movers], executor)
+    moved = [after[k] for k in movers]
+    sky.move(movers, moved, executor)
+    crew.tell(MovingSky.adopt, movers, moved)
     return length, Linearisation(equations, couplings)
 
 
-def _linearise(now: SkyState, executor: Executor) -> tuple[NormalEquations, ...]:
-    def equations(k: int) -> NormalEquations:
-        source = now.sources[k]
-        return normal_equations(now.residual(k), source.prior, source.profile, now.fits[k])
-
-    return tuple(executor.map(equations, range(len(now.fits))))
+def _equations(sky: MovingSky, k: int) -> NormalEquations:
+    now = sky.now
+    source = now.sources[k]
+    return normal_equations(now.residual(k), source.prior, source.profile, now.fits[k])
 
 
 def _is_stuck(now: SkyState, source: int) -> bool:

@@ -50,24 +50,26 @@ def run_minor_cycle(
         Whether the first pass looks for the peak of every source from scratch.
     """
     sky = MovingSky(state)
-    linearisation = state.linearisation
-    moves: list[tuple[float, float]] = []
-    enough = 0.0
-    active = np.ones(len(state.sources), bool)
-    for number in range(MOST_ITERATIONS):
-        is_afresh = afresh and number == 0
-        in_turn = fit_in_turn(sky, active, executor, on_fit, afresh=is_afresh)
-        couplings = None if linearisation is None else linearisation.couplings
-        together, linearisation = step_jointly(sky, couplings, tolerance, executor)
-        moves.append((float(in_turn.max()), float(together.max())))
-        enough = enough or max(CONVERGED * rms(in_turn), CONVERGED_ENOUGH * tolerance)
-        # Sources that overlap are fitted together from the second pass on.
-        if rms(together) < enough and not is_afresh:
-            break
-        restless = np.flatnonzero(np.maximum(in_turn, together) > tolerance)
-        if len(restless) == 0:
-            break
-        active = state.neighbourhood.around(restless)
+    state.interaction.work_out_planes()
+    with executor.crew(sky) as crew:
+        linearisation = state.linearisation
+        moves: list[tuple[float, float]] = []
+        enough = 0.0
+        active = np.ones(len(state.sources), bool)
+        for number in range(MOST_ITERATIONS):
+            is_afresh = afresh and number == 0
+            in_turn = fit_in_turn(sky, active, crew, executor, on_fit, afresh=is_afresh)
+            couplings = None if linearisation is None else linearisation.couplings
+            together, linearisation = step_jointly(sky, couplings, tolerance, crew, executor)
+            moves.append((float(in_turn.max()), float(together.max())))
+            enough = enough or max(CONVERGED * rms(in_turn), CONVERGED_ENOUGH * tolerance)
+            # Sources that overlap are fitted together from the second pass on.
+            if rms(together) < enough and not is_afresh:
+                break
+            restless = np.flatnonzero(np.maximum(in_turn, together) > tolerance)
+            if len(restless) == 0:
+                break
+            active = state.neighbourhood.around(restless)
     return replace(sky.now, linearisation=linearisation), tuple(moves)
 
 

@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
-from uvshear.execution import Executor
+from uvshear.execution import Crew, Executor
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Float
@@ -51,3 +52,14 @@ class MovingSky:
         now.image.set_flux_changes(np.array([new.flux - old.flux for new, old in pairs]))
         self._now = replace(now, fits=tuple(after))
         return change
+
+    def adopt(self, sources: list[int], fits: Sequence[GalaxyFit]) -> None:
+        """Replace sources by their fits in a copy of this sky, which sees the image of the changes itself."""
+        after = list(self._now.fits)
+        for source, fit in zip(sources, fits, strict=True):
+            after[source] = fit
+        self._now = replace(self._now, fits=tuple(after))
+
+
+SkyCrew: TypeAlias = Crew[MovingSky]
+"""Workers that fit the sources of a sky."""

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from uvshear.execution import Executor
-from uvshear.extraction.converged.moving_sky import MovingSky
+from uvshear.extraction.converged.moving_sky import MovingSky, SkyCrew
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.shapes.blend import Member, fit_group
 from uvshear.shapes.measurement import GalaxyFit
@@ -22,6 +22,7 @@ OnFit = Callable[[], None]
 def fit_in_turn(
     sky: MovingSky,
     active: Bool[Array, " source"],
+    crew: SkyCrew,
     executor: Executor,
     on_fit: OnFit,
     *,
@@ -39,19 +40,25 @@ def fit_in_turn(
     for level in neighbourhood.levels(units):
         before = sky.now
 
-        def fit(unit: list[int], now: SkyState = before) -> list[GalaxyFit]:
-            return _fit_unit(now, unit, afresh=afresh)
-
         after: list[GalaxyFit] = []
-        for fits in executor.map(fit, level):
+        for fits in crew.map(_fit_afresh if afresh else _fit_again, level):
             after += fits
             on_fit()
         members = [source for unit in level for source in unit]
         change[members] = sky.move(members, after, executor)
+        crew.tell(MovingSky.adopt, members, after)
         for unit in level:
             if len(unit) > 1:
                 change[unit] = sky.now.change_of_unit(unit, before.fits)
     return change
+
+
+def _fit_afresh(sky: MovingSky, unit: list[int]) -> list[GalaxyFit]:
+    return _fit_unit(sky.now, unit, afresh=True)
+
+
+def _fit_again(sky: MovingSky, unit: list[int]) -> list[GalaxyFit]:
+    return _fit_unit(sky.now, unit, afresh=False)
 
 
 def _fit_unit(now: SkyState, unit: list[int], *, afresh: bool) -> list[GalaxyFit]:

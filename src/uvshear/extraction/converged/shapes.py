@@ -1,8 +1,8 @@
 """The shapes of all galaxies of a converged sky: posteriors, with the neighbours marginalised."""
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from uvshear.execution import Executor
 from uvshear.extraction.converged.history import History
@@ -32,17 +32,31 @@ def measure_shapes(
     remaining = _remaining_changes(state, history)
     neighbours = dict(zip(galaxies, marginalise_all(state, galaxies), strict=True))
 
-    def measure(k: int) -> ShapeMeasurement:
-        correction = float(modelled.field.weight_correction[modelled.field.modelled[k]])
-        shape = _measure(state, k, neighbours[k], correction)
-        return with_remaining_change(shape, remaining[k])
-
+    subject = _Measured(state, modelled, remaining, neighbours)
     measurements = {}
-    for k, shape in zip(galaxies, executor.map(measure, galaxies), strict=True):
+    shapes = executor.distribute(_measure_one, subject, galaxies)
+    for k, shape in zip(galaxies, shapes, strict=True):
         on_shape()
         source = int(modelled.field.modelled[k])
         measurements[source] = _in_catalogue_flux(shape, modelled, k)
     return measurements
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """What the shapes of all galaxies are measured from."""
+
+    state: SkyState
+    modelled: ModelledField
+    remaining: Sequence[RemainingChange]
+    neighbours: Mapping[int, NeighbourMarginalisation | None]
+
+
+def _measure_one(subject: _Measured, k: int) -> ShapeMeasurement:
+    modelled = subject.modelled
+    correction = float(modelled.field.weight_correction[modelled.field.modelled[k]])
+    shape = _measure(subject.state, k, subject.neighbours[k], correction)
+    return with_remaining_change(shape, subject.remaining[k])
 
 
 def _measure(

@@ -1,6 +1,7 @@
 """Statistics of all galaxies of a released sky, for estimators of the shear."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.sky_state import SkyState
@@ -8,7 +9,7 @@ from uvshear.extraction.extraction import Setting
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.shapes.source_facet import Kept, SourceFacet, Statistic, noise_named
 from uvshear.shapes.statistic_flag import StatisticFlag, flag_column
-from uvshear.typing import Array
+from uvshear.typing import Array, Float
 
 BYTES_PER_WORKER = 1.5e8
 """Memory in which the statistics of one source are computed, measured with those of all estimators; what they keep for
@@ -23,24 +24,44 @@ def keep_statistics(
     on_source: Callable[[], None],
 ) -> Mapping[int, Kept]:
     """Compute the statistics of every galaxy, with a flag for each estimator, by index of the catalogue."""
-    strength = modelled.strength_at_1_4_ghz
-
-    def statistics(k: int) -> Kept:
-        seen = _seen(state, modelled, setting, phase_centre, k, float(strength[k]))
-        numbers: dict[str, float | Array | str] = {}
-        for statistic in setting.keep:
-            numbers |= _numbers(statistic, seen)
-        return numbers
-
+    subject = _Kept(state, modelled, setting, phase_centre, modelled.strength_at_1_4_ghz)
     kept: dict[int, Kept] = {}
     galaxies = _by_beam(state, modelled.galaxies)
     resources = setting.resources
     workers = min(resources.memory // BYTES_PER_WORKER, resources.executor.workers)
     executor = resources.executor.at_most(int(workers))
-    for k, numbers in zip(galaxies, executor.map(statistics, galaxies), strict=True):
+    for k, numbers in zip(
+        galaxies, executor.distribute(_statistics, subject, galaxies), strict=True
+    ):
         on_source()
         kept[int(modelled.field.modelled[k])] = numbers
     return kept
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """What the statistics of all galaxies are computed from."""
+
+    state: SkyState
+    modelled: ModelledField
+    setting: Setting
+    phase_centre: PhaseCentre
+    strength: Float[Array, " source"]
+
+
+def _statistics(subject: _Kept, k: int) -> Kept:
+    seen = _seen(
+        subject.state,
+        subject.modelled,
+        subject.setting,
+        subject.phase_centre,
+        k,
+        float(subject.strength[k]),
+    )
+    numbers: dict[str, float | Array | str] = {}
+    for statistic in subject.setting.keep:
+        numbers |= _numbers(statistic, seen)
+    return numbers
 
 
 def _numbers(statistic: Statistic, seen: SourceFacet) -> Kept:

@@ -1,0 +1,223 @@
+"""A crew of copies of this process, for work that holds Python's global interpreter lock and reads much memory.
+
+A copy is made by ``fork``: it sees all the memory of this process as it was when it was made, shares it until either
+writes to it, and starts within milliseconds. Only tasks, news and results are sent.
+"""
+
+import ctypes
+import gc
+import os
+import pickle
+import select
+import signal
+import socket
+import struct
+import sys
+import warnings
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import BrokenExecutor
+from contextlib import suppress
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import Any, Final, NoReturn, Self
+
+from uvshear.execution.crew import Crew, Result, Shared, Task
+
+CAN_COPY: Final = sys.platform == "linux"
+"""Whether processes are copied: elsewhere, libraries of the system may not survive it."""
+
+AHEAD: Final = 8
+"""Number of tasks for each copy that are begun before the result of the first of them is taken, at most."""
+
+_LENGTH: Final = struct.Struct("=q")
+
+_PR_SET_PDEATHSIG: Final = 1
+
+_copies: set[int] = set()
+"""Copies that have not ended yet."""
+
+_tried: set[Callable[..., Any]] = set()
+"""Functions that this process has called: what they compile or load, copies have from the start."""
+
+
+@dataclass
+class _Copy:
+    """A copy, as its parent sees it."""
+
+    pid: int
+    channel: socket.socket
+    news: list[tuple[Callable[..., None], tuple[Any, ...]]] = field(default_factory=list)
+
+
+class CopiedCrew(Crew[Shared]):
+    """Copies of this process that hold copies of an object.
+
+    Parameters
+    ----------
+    shared
+        The object, of which copies see every later change of memory that processes share, and all that they are told.
+    workers
+        Number of copies.
+    """
+
+    def __init__(self, shared: Shared, workers: int) -> None:
+        self._shared, self._workers = shared, workers
+        self._copies: list[_Copy] = []
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for copy in self._copies:
+            copy.channel.close()
+            _end(copy.pid)
+        self._copies.clear()
+
+    def map(
+        self, function: Callable[[Shared, Task], Result], tasks: Iterable[Task]
+    ) -> Iterator[Result]:
+        """Yield the results; ``AHEAD`` tasks for each copy are begun before them, at most."""
+        waiting = iter(tasks)
+        if function not in _tried:
+            for task in islice(waiting, 1):
+                yield function(self._shared, task)
+            _tried.add(function)
+        if not self._copies:
+            self._start()
+        yield from self._results(function, enumerate(waiting))
+
+    def tell(self, change: Callable[..., None], *news: Any) -> None:
+        """Call ``change(shared, *news)`` in every copy before its next task."""
+        for copy in self._copies:
+            copy.news.append((change, news))
+
+    def _start(self) -> None:
+        parent = os.getpid()
+        gc.freeze()
+        try:
+            for _ in range(self._workers):
+                ours, theirs = socket.socketpair()
+                pid = _fork()
+                if pid == 0:
+                    ours.close()
+                    _serve(self._shared, theirs, parent)
+                theirs.close()
+                _copies.add(pid)
+                self._copies.append(_Copy(pid, ours))
+        finally:
+            gc.unfreeze()
+
+    def _results(
+        self, function: Callable[..., Any], waiting: Iterator[tuple[int, Any]]
+    ) -> Iterator[Any]:
+        idle = deque(self._copies)
+        busy: dict[socket.socket, tuple[_Copy, int]] = {}
+        known: dict[int, tuple[bool, Any]] = {}
+        wanted, is_all = 0, False
+        while True:
+            while idle and not is_all and len(known) + len(busy) < AHEAD * self._workers:
+                task = next(waiting, None)
+                if task is None:
+                    is_all = True
+                    break
+                copy = idle.popleft()
+                _send(copy.channel, (copy.news, function, task[1]))
+                copy.news = []
+                busy[copy.channel] = copy, task[0]
+            while wanted in known:
+                is_error, found = known.pop(wanted)
+                if is_error:
+                    raise found
+                yield found
+                wanted += 1
+            if not busy:
+                if is_all:
+                    return
+                continue
+            for channel in select.select(tuple(busy), (), ())[0]:
+                copy, number = busy.pop(channel)
+                known[number] = _received(channel)
+                idle.append(copy)
+
+
+def end_copies() -> None:
+    """End all copies, whatever they do, before this process ends without cleaning up."""
+    for pid in tuple(_copies):
+        _end(pid)
+
+
+def _fork() -> int:
+    with warnings.catch_warnings():
+        # Python warns of the locks of other threads, which a copy might find held; it starts no threads.
+        warnings.simplefilter("ignore")
+        return os.fork()
+
+
+def _end(pid: int) -> None:
+    with suppress(ProcessLookupError, ChildProcessError):
+        os.kill(pid, signal.SIGKILL)
+        os.waitpid(pid, 0)
+    _copies.discard(pid)
+
+
+def _serve(shared: Any, channel: socket.socket, parent: int) -> NoReturn:
+    """Work until the parent closes the channel, and end this copy."""
+    status = 1
+    try:
+        gc.disable()
+        # The parent answers the signals of a terminal; whatever ends it, ends its copies.
+        for number in (signal.SIGINT, signal.SIGHUP):
+            signal.signal(number, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+        # The parent may have ended before that.
+        while os.getppid() == parent and (asked := _received(channel, at_end=None)) is not None:
+            news, function, task = asked
+            for change, what in news:
+                change(shared, *what)
+            try:
+                answer = False, function(shared, task)
+            except Exception as error:
+                answer = True, error
+            _send(channel, answer)
+        status = 0
+    finally:
+        os._exit(status)
+
+
+def _send(channel: socket.socket, content: Any) -> None:
+    packed = pickle.dumps(content, pickle.HIGHEST_PROTOCOL)
+    try:
+        channel.sendall(_LENGTH.pack(len(packed)) + packed)
+    except OSError as error:
+        raise BrokenExecutor("a copy of the process ended before its work was done") from error
+
+
+_NOTHING: Final = object()
+
+
+def _received(channel: socket.socket, at_end: Any = _NOTHING) -> Any:
+    head = _exactly(channel, _LENGTH.size)
+    if len(head) == _LENGTH.size:
+        length = _LENGTH.unpack(head)[0]
+        content = _exactly(channel, length)
+        if len(content) == length:
+            return pickle.loads(content)
+    if at_end is _NOTHING:
+        raise BrokenExecutor("a copy of the process ended before its work was done")
+    return at_end
+
+
+def _exactly(channel: socket.socket, length: int) -> bytearray:
+    content = bytearray(length)
+    view, filled = memoryview(content), 0
+    while filled < length:
+        try:
+            count = channel.recv_into(view[filled:], min(length - filled, 1 << 20))
+        except ConnectionError:
+            count = 0
+        if count == 0:
+            return bytearray()
+        filled += count
+    return content

@@ -1,0 +1,52 @@
+"""Tasks in copies of this process."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from uvshear.errors import InputError
+from uvshear.execution.copied_crew import CopiedCrew
+from uvshear.execution.crew import Crew, Result, Shared, Task
+from uvshear.execution.executor import Executor
+from uvshear.execution.libraries import single_threaded_libraries
+from uvshear.execution.threads import Threads
+
+
+@dataclass(frozen=True)
+class Copies(Executor):
+    """Distributes tasks over ``count`` copies of this process; tasks that share memory run in as many threads."""
+
+    count: int
+
+    def __post_init__(self) -> None:
+        if self.count < 1:
+            raise InputError(f"{self.count} processes; one or more are needed")
+
+    @property
+    def workers(self) -> int:
+        """Number of copies."""
+        return self.count
+
+    def at_most(self, workers: int) -> "Copies":
+        """Return an executor with at most this number of copies, and at least one."""
+        return Copies(max(1, min(self.count, workers)))
+
+    def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
+        """Yield the results, from threads of this process."""
+        return Threads(self.count).map(function, tasks)
+
+    def distribute(
+        self,
+        function: Callable[[Shared, Task], Result],
+        shared: Shared,
+        tasks: Iterable[Task],
+    ) -> Iterator[Result]:
+        """Yield the results; nothing but tasks and results is sent."""
+        with self.crew(shared) as crew:
+            yield from crew.map(function, tasks)
+
+    @contextmanager
+    def crew(self, shared: Shared) -> Iterator[Crew[Shared]]:
+        """Yield copies that hold an object; libraries have one thread in each of them."""
+        with single_threaded_libraries(), CopiedCrew(shared, self.count) as crew:
+            yield crew

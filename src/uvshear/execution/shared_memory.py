@@ -1,0 +1,22 @@
+"""Arrays in memory that this process shares with its copies."""
+
+import math
+import mmap
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from uvshear.typing import Array
+
+
+def shared_zeros(shape: Sequence[int], dtype: DTypeLike) -> Array:
+    """Return zeros in memory that copies of this process see as it is now; what is not written takes no memory."""
+    size = math.prod(shape)
+    if size == 0:
+        return np.zeros(tuple(shape), dtype)
+    try:
+        memory = mmap.mmap(-1, size * np.dtype(dtype).itemsize)
+    except OSError:
+        return np.zeros(tuple(shape), dtype)
+    return np.frombuffer(memory, dtype).reshape(tuple(shape))

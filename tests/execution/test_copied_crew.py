@@ -1,0 +1,132 @@
+"""Copies of this process that work for it."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import BrokenExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.execution import tasks as work
+from tests.execution.tasks import Ledger
+from uvshear.execution.copied_crew import AHEAD, CopiedCrew, end_copies
+from uvshear.execution.shared_memory import shared_zeros
+
+pytestmark = pytest.mark.skipif(
+    sys.platform != "linux", reason="processes are copied on Linux only"
+)
+
+
+def test_tasks_run_in_as_many_copies_as_there_are_workers() -> None:
+    with CopiedCrew(None, 2) as crew:
+        list(crew.map(work.process, range(2)))
+        seen = set(crew.map(work.process, range(40)))
+    assert os.getpid() not in seen
+    assert len(seen) == 2
+
+
+def test_results_keep_their_order_though_the_first_task_ends_last() -> None:
+    with CopiedCrew(None, 3) as crew:
+        assert list(crew.map(work.slow_first, range(9))) == list(range(9))
+        assert list(crew.map(work.slow_first, [])) == []
+
+
+def test_tasks_are_taken_as_they_are_begun() -> None:
+    taken = []
+
+    def tasks():
+        for task in range(50):
+            taken.append(task)
+            yield task
+
+    with CopiedCrew(None, 2) as crew:
+        results = crew.map(work.nothing, tasks())
+        assert [next(results) for _ in range(3)] == [0, 1, 2]
+        assert len(taken) <= 3 + 2 * AHEAD
+
+
+def test_copies_see_shared_memory_and_what_they_are_told() -> None:
+    memory, own = shared_zeros((1,), np.float64), np.zeros(1)
+    ledger, stale = Ledger(memory), Ledger(own)
+    with CopiedCrew(ledger, 2) as crew, CopiedCrew(stale, 2) as other:
+        for one in (crew, other):
+            list(one.map(work.entry, range(3)))
+        memory[0] = own[0] = 7.0
+        ledger.adopt(5)
+        crew.tell(Ledger.adopt, 5)
+        assert list(crew.map(work.entry, range(6))) == [(5, 7.0, task) for task in range(6)]
+        # Memory that is not shared is as it was when the copies were made.
+        assert list(other.map(work.entry, range(6))) == [(0, 0.0, task) for task in range(6)]
+
+
+def test_news_reach_a_copy_before_its_next_task_in_their_order() -> None:
+    ledger = Ledger(np.zeros(1))
+    with CopiedCrew(ledger, 3) as crew:
+        list(crew.map(work.entry, range(3)))
+        for number in (4, 9, 8):
+            crew.tell(Ledger.adopt, number)
+        assert {number for number, *_ in crew.map(work.entry, range(30))} == {8}
+
+
+def test_large_results_arrive() -> None:
+    with CopiedCrew(None, 2) as crew:
+        for task, found in enumerate(crew.map(work.large, range(6))):
+            np.testing.assert_array_equal(found, task)
+
+
+def test_an_error_of_a_task_is_raised_here() -> None:
+    with CopiedCrew(None, 2) as crew, pytest.raises(ValueError, match="task 3"):
+        list(crew.map(work.failing, range(20)))
+    _assert_no_copies()
+
+
+def test_a_copy_that_ends_is_an_error() -> None:
+    with CopiedCrew(None, 2) as crew, pytest.raises(BrokenExecutor, match="ended before its work"):
+        list(crew.map(work.ended, range(20)))
+    _assert_no_copies()
+
+
+def _assert_no_copies() -> None:
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+def test_copies_end_with_the_block_and_on_demand() -> None:
+    with CopiedCrew(None, 2) as crew:
+        list(crew.map(work.process, range(9)))
+    _assert_no_copies()
+    with CopiedCrew(None, 2) as crew:
+        list(crew.map(work.process, range(9)))
+        end_copies()
+        _assert_no_copies()
+
+
+KILLED = """
+import os, signal
+from tests.execution import tasks as work
+from uvshear.execution.copied_crew import CopiedCrew
+crew = CopiedCrew(None, 2)
+print(*crew.map(work.process, range(5)), flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_copies_end_with_a_process_that_is_killed() -> None:
+    root = Path(__file__).parents[2]
+    ended = subprocess.run(
+        [sys.executable, "-c", KILLED], capture_output=True, text=True, check=False, cwd=root
+    )
+    assert ended.returncode == -signal.SIGKILL
+    deadline = time.monotonic() + 10
+    for pid in {int(word) for word in ended.stdout.split()[1:]}:
+        while time.monotonic() < deadline and Path(f"/proc/{pid}").exists():
+            state = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0]
+            if state == "Z":
+                break
+            time.sleep(0.01)
+        else:
+            assert not Path(f"/proc/{pid}").exists()
