@@ -79,30 +79,29 @@ def test_large_results_arrive() -> None:
 
 
 def test_an_error_of_a_task_is_raised_here() -> None:
+    before = work.children()
     with CopiedCrew(None, 2) as crew, pytest.raises(ValueError, match="task 3"):
         list(crew.map(work.failing, range(20)))
-    _assert_no_copies()
+    assert work.children() == before
 
 
 def test_a_copy_that_ends_is_an_error() -> None:
+    before = work.children()
     with CopiedCrew(None, 2) as crew, pytest.raises(BrokenExecutor, match="ended before its work"):
         list(crew.map(work.ended, range(20)))
-    _assert_no_copies()
-
-
-def _assert_no_copies() -> None:
-    with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)
+    assert work.children() == before
 
 
 def test_copies_end_with_the_block_and_on_demand() -> None:
+    before = work.children()
     with CopiedCrew(None, 2) as crew:
         list(crew.map(work.process, range(9)))
-    _assert_no_copies()
+        assert len(work.children() - before) == 2
+    assert work.children() == before
     with CopiedCrew(None, 2) as crew:
         list(crew.map(work.process, range(9)))
         end_copies()
-        _assert_no_copies()
+        assert work.children() == before
 
 
 KILLED = """
