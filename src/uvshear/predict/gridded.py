@@ -139,7 +139,7 @@ def predict_samples(
 
 def predict_bands(
     bands: Sequence[PredictedBand], sky: ModelledSky, gridding: Gridding
-) -> list[Complex[Array, " sample"]]:
+) -> list[Complex[Array, " _"]]:
     """Predict the visibilities of the sky for samples of several bands [Jy]; tiles of all bands are drawn together."""
     models = [np.zeros(len(each.samples), np.complex64) for each in bands]
     response = sky.response

@@ -180,7 +180,7 @@ class _BandView:
 
 def _weighted_residuals(
     views: Sequence[_BandView], sky: ModelledSky, gridding: Gridding
-) -> list[Complex[Array, " sample"]]:
+) -> list[Complex[Array, " _"]]:
     """Weight times the residual of each sample of each band, with the common power law as matched filter."""
     models = predict_bands(
         [PredictedBand(view.samples, view.tiles, view.band) for view in views], sky, gridding
@@ -195,7 +195,7 @@ def _weighted_residuals(
 
 def _images(
     views: Sequence[_BandView],
-    weighted: Sequence[Complex[Array, " sample"]],
+    weighted: Sequence[Complex[Array, " _"]],
     response: Response,
     gridding: Gridding,
 ) -> Iterator[Images]:
