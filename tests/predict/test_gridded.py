@@ -1,5 +1,6 @@
 """Visibilities by way of images against the direct sum over galaxies."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +18,8 @@ from uvshear.predict.gridded import (
     BYTES_PER_PIXEL,
     BYTES_PER_SAMPLE,
     Gridding,
+    PredictedBand,
+    predict_bands,
     predict_samples,
     slabs,
 )
@@ -55,6 +58,22 @@ def test_samples_of_a_band_are_the_direct_sum_over_galaxies(case, request):
         assert len(samples) > 100
         # measured 2e-5 of the summed flux
         np.testing.assert_allclose(got, samples.stokes_i, rtol=0, atol=6e-5 * sky.flux.sum())
+
+
+@pytest.mark.parametrize("executor", [SERIAL, in_threads(3)])
+def test_bands_that_are_predicted_together_are_the_same_to_the_bit(one_channel, executor):
+    bands = [
+        PredictedBand(
+            Samples.from_visibilities(one_channel.seen, band.shortest, band.longest), on_sky, band
+        )
+        for band, on_sky in zip(one_channel.plan.bands, one_channel.plan.tiles, strict=True)
+    ]
+    sky = one_channel.modelled(SKY)
+    together = predict_bands(bands, sky, replace(GRIDDING, executor=executor))
+    assert len(together) == len(bands) > 1
+    for each, found in zip(bands, together, strict=True):
+        alone = predict_samples(each.samples, each.tiles, each.band, sky, GRIDDING)
+        np.testing.assert_array_equal(found, alone)
 
 
 @pytest.mark.parametrize("samples", [0, 1, 2**21, 2**21 + 1, 5 * 2**21 + 3])

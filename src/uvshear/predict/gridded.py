@@ -116,6 +116,15 @@ def slabs(samples: int) -> list[slice]:
     return [slice(*pair) for pair in pairwise(edges)]
 
 
+@dataclass(frozen=True)
+class PredictedBand:
+    """Samples of a band of baselines, and the tiles on which the sky is drawn for them."""
+
+    samples: Samples
+    tiles: Sequence[Tile]
+    band: Band
+
+
 def predict_samples(
     samples: Samples,
     tiles: Sequence[Tile],
@@ -124,7 +133,15 @@ def predict_samples(
     gridding: Gridding,
 ) -> Complex[Array, " sample"]:
     """Predict the visibilities of the sky for samples of a band [Jy], by way of images on its tiles."""
-    model = np.zeros(len(samples), np.complex64)
+    (model,) = predict_bands([PredictedBand(samples, tiles, band)], sky, gridding)
+    return model
+
+
+def predict_bands(
+    bands: Sequence[PredictedBand], sky: ModelledSky, gridding: Gridding
+) -> list[Complex[Array, " _"]]:
+    """Predict the visibilities of the sky for samples of several bands [Jy]; tiles of all bands are drawn together."""
+    models = [np.zeros(len(each.samples), np.complex64) for each in bands]
     response = sky.response
 
     def draw(part: _Part) -> Float[Array, "l m"]:
@@ -134,43 +151,62 @@ def predict_samples(
             part.flux,
             sky.half_width[members],
             part.tile,
-            band,
+            bands[part.number].band,
             sky.profile,
         )
 
     def predict(
         task: tuple[_Part, Float[Array, "l m"], slice],
-    ) -> tuple[slice, Complex[Array, " slab"]]:
+    ) -> tuple[int, slice, Complex[Array, " slab"]]:
         part, image, rows = task
-        plane = TangentPlane.at(samples.uvw[rows], *part.tile.centre(band.pixel))
-        vis = plane.visibilities(image, band.pixel, gridding.epsilon)
-        return rows, vis * response.source_factor(samples.select(rows), *part.seen_as)
+        samples, pixel = bands[part.number].samples, bands[part.number].band.pixel
+        plane = TangentPlane.at(samples.uvw[rows], *part.tile.centre(pixel))
+        vis = plane.visibilities(image, pixel, gridding.epsilon)
+        factor = response.source_factor(samples.select(rows), *part.seen_as)
+        return part.number, rows, vis * factor
 
-    parts = [part for tile in tiles for part in _parts(_padded(tile, sky, band), sky, band)]
+    parts = [
+        part
+        for number, each in enumerate(bands)
+        for tile in each.tiles
+        for part in _parts(number, _padded(tile, sky, each.band), sky, each.band)
+    ]
     widest = max((part.tile.size for part in parts), default=1)
-    executor = gridding.executor_for(widest, len(samples))
+    most = max((len(each.samples) for each in bands), default=0)
+    executor = gridding.executor_for(widest, most)
     drawn = zip(parts, executor.map(draw, parts), strict=True)
-    tasks = ((part, image, rows) for part, image in drawn for rows in slabs(len(samples)))
-    for rows, vis in executor.map(predict, tasks):
-        model[rows] += vis
-    return model * response.gain(samples.frequency)
+    tasks = (
+        (part, image, rows)
+        for part, image in drawn
+        for rows in slabs(len(bands[part.number].samples))
+    )
+    for number, rows, vis in executor.map(predict, tasks):
+        models[number][rows] += vis
+    return [
+        model * response.gain(each.samples.frequency)
+        for each, model in zip(bands, models, strict=True)
+    ]
 
 
 @dataclass(frozen=True)
 class _Part:
-    """Fluxes of a tile's members [Jy], with the sample factors of a source at (l, m) of one spectral index."""
+    """Fluxes of a tile's members [Jy], with the sample factors of a source at (l, m) of one spectral index.
 
+    ``number`` is that of the band in the order in which bands are predicted.
+    """
+
+    number: int
     tile: Tile
     flux: Float[Array, " member"]
     seen_as: SeenAs
 
 
-def _parts(tile: Tile, sky: ModelledSky, band: Band) -> list[_Part]:
+def _parts(number: int, tile: Tile, sky: ModelledSky, band: Band) -> list[_Part]:
     members = sky.galaxies.select(tile.members)
     shared = sky.response.shared_factors(members, band.shortest, band.longest)
     parts = []
     for source, coefficients in zip(shared.chosen.tolist(), shared.coefficients, strict=True):
-        parts.append(_Part(tile, members.flux * coefficients, seen_as(members, source)))
+        parts.append(_Part(number, tile, members.flux * coefficients, seen_as(members, source)))
     return parts
 
 

@@ -9,15 +9,16 @@ from uvshear.extraction.converged.tile_sizes import cheapest_core, work_of
 from uvshear.imaging.tiles import CORE, Tile
 from uvshear.interferometer.attenuation import BandwidthSmearing
 from uvshear.interferometer.summary import ObservationSummary
+from uvshear.predict.gridded import SLAB
 from uvshear.predict.response import Response
 
 LONGEST = 1.5e5
 COUNT = 25
 
 
-def _core(attenuation, samples):
+def _core(attenuation, samples, half_width=3e-3):
     rng = np.random.default_rng(3)
-    l, m = rng.uniform(-3e-3, 3e-3, (2, COUNT))
+    l, m = rng.uniform(-half_width, half_width, (2, COUNT))
     sky = galaxies(l, m, np.ones(COUNT))
     probes = _probes()
     requests = FacetRequests(l, m, np.full(COUNT, 2e-4), np.full(COUNT, LONGEST))
@@ -27,7 +28,13 @@ def _core(attenuation, samples):
 
 
 def test_tiles_are_large_where_sources_have_one_factor():
-    assert _core(None, 10**5) == CORE
+    assert _core(None, 10**5, half_width=1e-2) == CORE
+
+
+def test_a_single_tile_of_few_samples_is_divided_among_workers():
+    assert _core(None, SLAB) == CORE // 2
+    # More samples are several tasks, and each tile takes all of them.
+    assert _core(None, SLAB + 1) == CORE
 
 
 def test_tiles_are_small_where_factors_vary_fast_and_samples_are_few():

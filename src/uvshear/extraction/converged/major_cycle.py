@@ -25,7 +25,7 @@ from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.blocks import BlockAccumulator
-from uvshear.predict.gridded import Gridding, ModelledSky, predict_samples, slabs
+from uvshear.predict.gridded import Gridding, ModelledSky, PredictedBand, predict_bands, slabs
 from uvshear.predict.response import Response, SeenAs
 from uvshear.typing import Array, Complex, Float
 
@@ -143,17 +143,19 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
         )
 
     def add_block(self, samples: Samples) -> None:
-        """Subtract the models, image the residual and cut out the facets, band by band."""
+        """Subtract the models, image the residual and cut out the facets, from the coarsest band to the finest."""
         plan, sky, gridding = self._plan, self._sky, self._gridding
         number = plan.band_of(samples.uvw)
+        bands = range(len(plan.bands) - 1, plan.top - 1, -1)
+        parts = {b: samples.select(np.flatnonzero(number == b)) for b in bands}
+        views = [_BandView(parts[b], plan.tiles[b], self._filters[b], plan.bands[b]) for b in bands]
+        weighted = _weighted_residuals(views, sky, gridding)
+        images_of_bands = _images(views, weighted, sky.response, gridding)
         coarser: list[Images] = []
-        for b in range(len(plan.bands) - 1, plan.top - 1, -1):
-            band, tiles, filters = plan.bands[b], plan.tiles[b], self._filters[b]
-            part = samples.select(np.flatnonzero(number == b))
-            weighted = _weighted_residual(part, tiles, band, sky, gridding)
-            new = _images(part, weighted, tiles, filters, band, sky.response, gridding)
+        for b, view in zip(bands, views, strict=True):
             kept = []
-            for tile, matched, images in zip(tiles, filters, new, strict=True):
+            for tile, matched in zip(view.tiles, view.filters, strict=True):
+                images = next(images_of_bands)
                 if tile.parent >= 0:
                     above = plan.tiles[b + 1][tile.parent], self._filters[b + 1][tile.parent]
                     _add_coarser(images, tile, matched, coarser[tile.parent], *above)
@@ -162,57 +164,71 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
                 else:
                     kept.append(images)
                 if self._on_work is not None:
-                    self._on_work(work_of(len(part), tile))
+                    self._on_work(work_of(len(view.samples), tile))
             coarser = kept
 
 
-def _weighted_residual(
-    samples: Samples,
-    tiles: Sequence[Tile],
-    band: Band,
-    sky: ModelledSky,
-    gridding: Gridding,
-) -> Complex[Array, " sample"]:
-    """Weight times the residual of each sample, with the common power law as matched filter."""
-    model = predict_samples(samples, tiles, band, sky, gridding)
-    gain = sky.response.gain(samples.frequency)
-    return (samples.stokes_i - model) * (samples.weights * gain)
+@dataclass(frozen=True)
+class _BandView:
+    """Samples of a band, and the tiles on which they are imaged."""
+
+    samples: Samples
+    tiles: Sequence[Tile]
+    filters: Sequence[TileFilters]
+    band: Band
+
+
+def _weighted_residuals(
+    views: Sequence[_BandView], sky: ModelledSky, gridding: Gridding
+) -> list[Complex[Array, " _"]]:
+    """Weight times the residual of each sample of each band, with the common power law as matched filter."""
+    models = predict_bands(
+        [PredictedBand(view.samples, view.tiles, view.band) for view in views], sky, gridding
+    )
+    found = []
+    for view, model in zip(views, models, strict=True):
+        samples = view.samples
+        gain = sky.response.gain(samples.frequency)
+        found.append((samples.stokes_i - model) * (samples.weights * gain))
+    return found
 
 
 def _images(
-    samples: Samples,
-    weighted: Complex[Array, " sample"],
-    tiles: Sequence[Tile],
-    filters: Sequence[TileFilters],
-    band: Band,
+    views: Sequence[_BandView],
+    weighted: Sequence[Complex[Array, " _"]],
     response: Response,
     gridding: Gridding,
 ) -> Iterator[Images]:
-    """Image each tile in turn, with each of its filters."""
+    """Image each tile of each band in turn, with each of its filters; tiles of several bands are imaged together."""
 
-    def image(task: tuple[Tile, SeenAs, slice]) -> Float[Array, "l m"]:
-        tile, seen_as, rows = task
-        filtered = weighted[rows] * response.matched_filter(samples.select(rows), *seen_as)
-        plane = TangentPlane.at(samples.uvw[rows], *tile.centre(band.pixel))
-        return plane.image(filtered, tile.size, band.pixel, gridding.epsilon)
+    def image(task: tuple[int, Tile, SeenAs, slice]) -> Float[Array, "l m"]:
+        number, tile, seen_as, rows = task
+        view = views[number]
+        part, pixel = view.samples.select(rows), view.band.pixel
+        filtered = weighted[number][rows] * response.matched_filter(part, *seen_as)
+        plane = TangentPlane.at(view.samples.uvw[rows], *tile.centre(pixel))
+        return plane.image(filtered, tile.size, pixel, gridding.epsilon)
 
-    parts_of_rows = slabs(len(samples))
     tasks = (
-        (tile, seen_as, rows)
-        for tile, matched in zip(tiles, filters, strict=True)
+        (number, tile, seen_as, rows)
+        for number, view in enumerate(views)
+        for tile, matched in zip(view.tiles, view.filters, strict=True)
         for seen_as in matched.seen_as
-        for rows in parts_of_rows
+        for rows in slabs(len(view.samples))
     )
-    widest = max(tile.size for tile in tiles)
-    parts = gridding.executor_for(widest, len(samples)).map(image, tasks)
-    for matched in filters:
-        images = []
-        for _ in matched.seen_as:
-            total = next(parts)
-            for _ in parts_of_rows[1:]:
-                total += next(parts)
-            images.append(total)
-        yield images
+    widest = max(tile.size for view in views for tile in view.tiles)
+    most = max(len(view.samples) for view in views)
+    parts = gridding.executor_for(widest, most).map(image, tasks)
+    for view in views:
+        count = len(slabs(len(view.samples)))
+        for matched in view.filters:
+            images = []
+            for _ in matched.seen_as:
+                total = next(parts)
+                for _ in range(count - 1):
+                    total += next(parts)
+                images.append(total)
+            yield images
 
 
 def _add_coarser(
