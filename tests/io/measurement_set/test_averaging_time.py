@@ -50,15 +50,11 @@ def _without(path, target, columns):
     return target
 
 
-def test_a_set_may_lack_exposure(tmp_path):
-    path = _without(written(tmp_path, is_averaged=True), tmp_path / "less.ms", ["EXPOSURE"])
+@pytest.mark.parametrize("is_averaged", [True, False])
+def test_a_set_may_lack_exposure(tmp_path, is_averaged):
+    path = _without(written(tmp_path, is_averaged=is_averaged), tmp_path / "less.ms", ["EXPOSURE"])
     told = "there is no column EXPOSURE; visibilities are taken to be averages over INTERVAL"
     assert _intervals(path) == ([60.0], (told,))
-
-
-def test_a_set_that_is_not_averaged_needs_no_exposure(tmp_path):
-    path = _without(written(tmp_path), tmp_path / "less.ms", ["EXPOSURE"])
-    assert _intervals(path)[1] == ()
 
 
 UNKNOWN = "no row has an EXPOSURE or an INTERVAL; smearing in time is not in the model"

@@ -61,6 +61,8 @@ def averaging_notice(main: tables.table, rows: Sequence[int], *, is_averaged: bo
         return name in columns and any(main.getcell(name, row) != 0 for row in rows)
 
     columns = main.colnames()
+    if "EXPOSURE" not in columns and is_filled("INTERVAL"):
+        return "there is no column EXPOSURE; visibilities are taken to be averages over INTERVAL"
     if not is_averaged or is_filled("EXPOSURE"):
         return None
     if not is_filled("INTERVAL"):
@@ -68,8 +70,6 @@ def averaging_notice(main: tables.table, rows: Sequence[int], *, is_averaged: bo
             "the channels are averages, but no row has an EXPOSURE or an INTERVAL; smearing in time is not in the"
             " model"
         )
-    if "EXPOSURE" not in columns:
-        return "there is no column EXPOSURE; visibilities are taken to be averages over INTERVAL"
     return "EXPOSURE is 0 although the channels are averages; visibilities are taken to be averages over INTERVAL"
 
 
