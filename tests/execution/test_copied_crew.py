@@ -1,6 +1,7 @@
 """Copies of this process that work for it."""
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -70,6 +71,21 @@ def test_news_reach_a_copy_before_its_next_task_in_their_order() -> None:
         for number in (4, 9, 8):
             crew.tell(Ledger.adopt, number)
         assert {number for number, *_ in crew.map(work.entry, range(30))} == {8}
+
+
+def test_descriptors_above_1023_are_possible() -> None:
+    most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(most[0], 1200), most[1]))
+    try:
+        held = [os.open(os.devnull, os.O_RDONLY) for _ in range(1050)]
+        try:
+            with CopiedCrew(None, 2) as crew:
+                assert list(crew.map(work.nothing, range(9))) == list(range(9))
+        finally:
+            for descriptor in held:
+                os.close(descriptor)
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, most)
 
 
 def test_large_results_arrive() -> None:

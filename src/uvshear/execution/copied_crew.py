@@ -112,7 +112,9 @@ class CopiedCrew(Crew[Shared]):
         self, function: Callable[..., Any], waiting: Iterator[tuple[int, Any]]
     ) -> Iterator[Any]:
         idle = deque(self._copies)
-        busy: dict[socket.socket, tuple[_Copy, int]] = {}
+        busy: dict[int, tuple[_Copy, int]] = {}
+        # Unlike select, it takes file descriptors above 1023.
+        answers = select.poll()
         known: dict[int, tuple[bool, Any]] = {}
         wanted, is_all = 0, False
         while True:
@@ -124,7 +126,8 @@ class CopiedCrew(Crew[Shared]):
                 copy = idle.popleft()
                 _send(copy.channel, (copy.news, function, task[1]))
                 copy.news = []
-                busy[copy.channel] = copy, task[0]
+                busy[copy.channel.fileno()] = copy, task[0]
+                answers.register(copy.channel, select.POLLIN)
             while wanted in known:
                 is_error, found = known.pop(wanted)
                 if is_error:
@@ -135,9 +138,10 @@ class CopiedCrew(Crew[Shared]):
                 if is_all:
                     return
                 continue
-            for channel in select.select(tuple(busy), (), ())[0]:
-                copy, number = busy.pop(channel)
-                known[number] = _received(channel)
+            for descriptor, _ in answers.poll():
+                answers.unregister(descriptor)
+                copy, number = busy.pop(descriptor)
+                known[number] = _received(copy.channel)
                 idle.append(copy)
 
 
