@@ -1,5 +1,6 @@
 """The last words of a process that casacore ends."""
 
+import contextvars
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ import pytest
 
 from tests.cli.processes import environment
 from tests.io.measurement_sets import written
+from uvshear.io.measurement_set.observation import MeasurementSet
 
 TERMINATED = """
 import ctypes
@@ -37,6 +39,13 @@ def test_what_was_read_is_told() -> None:
     assert ended.stderr == (
         "uvshear: error: b.ms: column DATA cannot be read; it is damaged, and casacore gave up\n"
     )
+
+
+def test_a_reader_may_be_closed_in_another_context(tmp_path: Path) -> None:
+    """Notebooks run each cell in a context of its own."""
+    chunks = MeasurementSet(written(tmp_path), memory=10_000).chunks()
+    contextvars.copy_context().run(next, chunks)
+    contextvars.copy_context().run(chunks.close)
 
 
 def test_the_end_by_another_library_is_not_blamed_on_a_set() -> None:

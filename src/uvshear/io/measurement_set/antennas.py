@@ -13,7 +13,7 @@ from uvshear.typing import Array, Float
 
 @dataclass(frozen=True)
 class KnownAntennas:
-    """KnownAntennas of a set, in the order of their numbers.
+    """Antennas of a set, in the order of their numbers.
 
     Parameters
     ----------

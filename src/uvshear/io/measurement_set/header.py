@@ -48,7 +48,7 @@ class Header:
     beyond_interval
         Number of rows whose EXPOSURE is longer than INTERVAL.
     antennas
-        KnownAntennas of the set.
+        Antennas of the set.
     extent
         The extent of the array by the positions of its antennas.
     """

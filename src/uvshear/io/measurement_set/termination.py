@@ -48,11 +48,13 @@ def told_if_terminated(path: Path, what: str) -> Iterator[None]:
         Part of it that is read.
     """
     _install()
-    before = _reading.set(f"{path}: {what}")
+    # A token could not be reset where a generator that reads is closed in another context, as in notebooks.
+    before = _reading.get()
+    _reading.set(f"{path}: {what}")
     try:
         yield
     finally:
-        _reading.reset(before)
+        _reading.set(before)
 
 
 @cache
