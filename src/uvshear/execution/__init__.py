@@ -7,6 +7,7 @@ as an argument, which is ``SERIAL`` unless given.
 
 from uvshear.execution.copied_crew import end_copies
 from uvshear.execution.copies import Copies
+from uvshear.execution.copying import CAN_COPY, copy_process
 from uvshear.execution.cores import available_cores, in_copies, in_processes, in_threads
 from uvshear.execution.crew import Crew
 from uvshear.execution.executor import Executor
@@ -20,6 +21,7 @@ SERIAL = Serial()
 """The default executor: one task after the other."""
 
 __all__ = [
+    "CAN_COPY",
     "SERIAL",
     "Copies",
     "Crew",
@@ -29,6 +31,7 @@ __all__ = [
     "Serial",
     "Threads",
     "available_cores",
+    "copy_process",
     "end_copies",
     "end_processes",
     "in_copies",

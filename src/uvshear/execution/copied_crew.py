@@ -4,7 +4,6 @@ A copy is made by ``fork``: it sees all the memory of this process as it was whe
 writes to it, and starts within milliseconds. Only tasks, news and results are sent.
 """
 
-import ctypes
 import gc
 import os
 import pickle
@@ -12,8 +11,6 @@ import select
 import signal
 import socket
 import struct
-import sys
-import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor
@@ -22,17 +19,13 @@ from dataclasses import dataclass, field
 from itertools import islice
 from typing import Any, Final, NoReturn, Self
 
+from uvshear.execution.copying import copy_process
 from uvshear.execution.crew import Crew, Result, Shared, Task
-
-CAN_COPY: Final = sys.platform == "linux"
-"""Whether processes are copied: elsewhere, libraries of the system may not survive it."""
 
 AHEAD: Final = 8
 """Number of tasks for each copy that are begun before the result of the first of them is taken, at most."""
 
 _LENGTH: Final = struct.Struct("=q")
-
-_PR_SET_PDEATHSIG: Final = 1
 
 _copies: set[int] = set()
 """Copies that have not ended yet."""
@@ -93,15 +86,14 @@ class CopiedCrew(Crew[Shared]):
             copy.news.append((change, news))
 
     def _start(self) -> None:
-        parent = os.getpid()
         gc.freeze()
         try:
             for _ in range(self._workers):
                 ours, theirs = socket.socketpair()
-                pid = _fork()
+                pid = copy_process()
                 if pid == 0:
                     ours.close()
-                    _serve(self._shared, theirs, parent)
+                    _serve(self._shared, theirs)
                 theirs.close()
                 _copies.add(pid)
                 self._copies.append(_Copy(pid, ours))
@@ -151,13 +143,6 @@ def end_copies() -> None:
         _end(pid)
 
 
-def _fork() -> int:
-    with warnings.catch_warnings():
-        # Python warns of the locks of other threads, which a copy might find held; it starts no threads.
-        warnings.simplefilter("ignore")
-        return os.fork()
-
-
 def _end(pid: int) -> None:
     with suppress(ProcessLookupError, ChildProcessError):
         os.kill(pid, signal.SIGKILL)
@@ -165,7 +150,7 @@ def _end(pid: int) -> None:
     _copies.discard(pid)
 
 
-def _serve(shared: Any, channel: socket.socket, parent: int) -> NoReturn:
+def _serve(shared: Any, channel: socket.socket) -> NoReturn:
     """Work until the parent closes the channel, and end this copy."""
     status = 1
     try:
@@ -174,9 +159,7 @@ def _serve(shared: Any, channel: socket.socket, parent: int) -> NoReturn:
         for number in (signal.SIGINT, signal.SIGHUP):
             signal.signal(number, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-        # The parent may have ended before that.
-        while os.getppid() == parent and (asked := _received(channel, at_end=None)) is not None:
+        while (asked := _received(channel, at_end=None)) is not None:
             news, function, task = asked
             for change, what in news:
                 change(shared, *what)

@@ -2,8 +2,8 @@
 
 import os
 
-from uvshear.execution.copied_crew import CAN_COPY
 from uvshear.execution.copies import Copies
+from uvshear.execution.copying import CAN_COPY
 from uvshear.execution.executor import Executor
 from uvshear.execution.processes import Processes
 from uvshear.execution.serial import Serial

@@ -5,14 +5,13 @@ casacore trusts the numbers that it finds in a table. Wrong ones make it write b
 
 import os
 import signal
-import sys
 import time
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
 from uvshear.errors import InputError
+from uvshear.execution import CAN_COPY, copy_process
 from uvshear.io.measurement_set.termination import be_silent
 
 LONGEST: Final = 120.0
@@ -35,12 +34,9 @@ def check_by_trial(path: Path, read: Callable[[], object]) -> None:
     read
         Function that reads a little of it.
     """
-    if sys.platform != "linux" or not (path / "table.dat").is_file():
+    if not CAN_COPY or not (path / "table.dat").is_file():
         return
-    with warnings.catch_warnings():
-        # Python warns of threads, whose locks might be held; the copy only uses casacore, which has none.
-        warnings.simplefilter("ignore")
-        child = os.fork()
+    child = copy_process()
     if child == 0:
         _try(read)
     try:
