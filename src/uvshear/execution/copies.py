@@ -4,32 +4,16 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from uvshear.errors import InputError
 from uvshear.execution.copied_crew import CopiedCrew
+from uvshear.execution.counted import Counted
 from uvshear.execution.crew import Crew, Result, Shared, Task
-from uvshear.execution.executor import Executor
 from uvshear.execution.libraries import single_threaded_libraries
 from uvshear.execution.threads import Threads
 
 
 @dataclass(frozen=True)
-class Copies(Executor):
+class Copies(Counted):
     """Distributes tasks over ``count`` copies of this process; tasks that share memory run in as many threads."""
-
-    count: int
-
-    def __post_init__(self) -> None:
-        if self.count < 1:
-            raise InputError(f"{self.count} processes; one or more are needed")
-
-    @property
-    def workers(self) -> int:
-        """Number of copies."""
-        return self.count
-
-    def at_most(self, workers: int) -> "Copies":
-        """Return an executor with at most this number of copies, and at least one."""
-        return Copies(max(1, min(self.count, workers)))
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield the results, from threads of this process."""

@@ -13,9 +13,8 @@ from multiprocessing import active_children, get_context, parent_process, util
 from multiprocessing.reduction import ForkingPickler
 from typing import TYPE_CHECKING, Any
 
-from uvshear.errors import InputError
+from uvshear.execution.counted import Counted
 from uvshear.execution.crew import Result, Shared, Task
-from uvshear.execution.executor import Executor
 from uvshear.execution.libraries import limit_libraries
 from uvshear.execution.ordered import ordered_results
 from uvshear.execution.threads import Threads
@@ -25,23 +24,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Processes(Executor):
+class Processes(Counted):
     """Distributes tasks over ``count`` processes; tasks that share memory run in as many threads."""
-
-    count: int
-
-    def __post_init__(self) -> None:
-        if self.count < 1:
-            raise InputError(f"{self.count} processes; one or more are needed")
-
-    @property
-    def workers(self) -> int:
-        """Number of processes."""
-        return self.count
-
-    def at_most(self, workers: int) -> "Processes":
-        """Return an executor with at most this number of processes, and at least one."""
-        return Processes(max(1, min(self.count, workers)))
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield the results, from threads of this process."""

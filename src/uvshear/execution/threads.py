@@ -5,30 +5,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 
-from uvshear.errors import InputError
+from uvshear.execution.counted import Counted
 from uvshear.execution.crew import Result, Shared, Task
-from uvshear.execution.executor import Executor
 from uvshear.execution.ordered import ordered_results
 
 
 @dataclass(frozen=True)
-class Threads(Executor):
+class Threads(Counted):
     """Runs tasks in ``count`` threads, which share memory and, outside compiled code, the interpreter's lock."""
-
-    count: int
-
-    def __post_init__(self) -> None:
-        if self.count < 1:
-            raise InputError(f"{self.count} threads; one or more are needed")
-
-    @property
-    def workers(self) -> int:
-        """Number of threads."""
-        return self.count
-
-    def at_most(self, workers: int) -> "Threads":
-        """Return an executor with at most this number of threads, and at least one."""
-        return Threads(max(1, min(self.count, workers)))
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield the results; at most one task more than there are threads is begun ahead of them."""
