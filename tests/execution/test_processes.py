@@ -2,10 +2,7 @@
 
 import os
 
-import pytest
-
 from tests.execution import tasks as work
-from uvshear.errors import InputError
 from uvshear.execution import Processes
 
 
@@ -28,9 +25,3 @@ def test_what_is_shared_is_sent_to_each_process_once(tmp_path) -> None:
 
 def test_libraries_have_one_thread_in_each_process() -> None:
     assert set(Processes(2).distribute(work.library_threads, None, range(2))) == {1}
-
-
-@pytest.mark.parametrize("count", [0, -1])
-def test_a_count_below_one_is_refused(count: int) -> None:
-    with pytest.raises(InputError, match="one or more are needed"):
-        Processes(count)

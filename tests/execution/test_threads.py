@@ -2,10 +2,7 @@
 
 import time
 
-import pytest
-
 from tests.execution.tasks import Meeting
-from uvshear.errors import InputError
 from uvshear.execution import Threads
 
 
@@ -24,13 +21,3 @@ def test_results_keep_their_order_though_the_first_task_ends_last() -> None:
 
     assert list(Threads(3).map(wait, range(4))) == [0, 1, 2, 3]
     assert ended[0] != 0  # The order is not an accident.
-
-
-@pytest.mark.parametrize("count", [0, -1])
-def test_a_count_below_one_is_refused(count: int) -> None:
-    with pytest.raises(InputError, match="one or more are needed"):
-        Threads(count)
-
-
-def test_the_count_is_the_number_of_workers() -> None:
-    assert Threads(3).workers == 3

@@ -24,7 +24,8 @@ def test_autocorrelations_with_a_baseline_are_told():
     counts = SampleCounts(rows=10, autocorrelations=7, autocorrelations_with_uvw=3)
     (told,) = data_warnings(DataQuality("a.ms", counts=counts))
     assert told == (
-        "a.ms: 3 rows have two equal antennas, but a UVW that is not zero; they are left out as autocorrelations"
+        "a.ms: the number of rows with two equal antennas but a UVW that is not zero is 3; they are left out as"
+        " autocorrelations"
     )
 
 

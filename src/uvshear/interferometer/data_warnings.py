@@ -42,7 +42,8 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
             (counts.non_positive_weights, "have a weight of zero or less"),
             (
                 counts.impossible_uvw,
-                "have a UVW that is zero, not finite, longer than the array or unlike the distance of its antennas,",
+                "have a UVW that is zero, not finite, longer than the array or not as long as the distance between"
+                " their antennas,",
             ),
             (
                 counts.impossible_times,
@@ -59,7 +60,7 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
     ]
     if rows := counts.autocorrelations_with_uvw:
         found.append(
-            f"{name}: {rows} rows have two equal antennas, but a UVW that is not zero; they are left out as"
-            " autocorrelations"
+            f"{name}: the number of rows with two equal antennas but a UVW that is not zero is {rows}; they are left"
+            " out as autocorrelations"
         )
     return (*found, *(f"{name}: {notice}" for notice in quality.notices))
