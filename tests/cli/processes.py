@@ -5,7 +5,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import uvshear
@@ -33,18 +34,33 @@ def shell(words: str, directory: Path, **more: str) -> subprocess.CompletedProce
     )
 
 
-def started(*words: str | Path) -> "subprocess.Popen[str]":
-    """Start a command as the leader of a group of processes, with the signals that a terminal gives it."""
-    return subprocess.Popen(
+@contextmanager
+def started(*words: str | Path) -> Iterator["subprocess.Popen[str]"]:
+    """Start a command as the leader of a group of processes, with the signals that a terminal gives it.
+
+    Whatever is left of the group in the end is ended.
+    """
+    process = subprocess.Popen(
         [*COMMAND, *map(str, words)],
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
         env=environment(),
         start_new_session=True,
-        # A shell in the background ignores interrupts, and so would its children.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
+        # A shell in the background ignores interrupts, as nohup does hangups, and so would their children.
+        preexec_fn=_take_all_signals,  # noqa: PLW1509
     )
+    try:
+        yield process
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+
+
+def _take_all_signals() -> None:
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def wait_for(condition: Callable[[], object], seconds: float = 60) -> None:

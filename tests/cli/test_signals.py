@@ -20,13 +20,15 @@ def test_a_request_to_end_leaves_no_part_of_a_measurement_set(
     output = tmp_path / "new" / "field.ms"
     output.parent.mkdir()
     words = f"simulate {OBSERVATION} --declination-deg -30 --snr-at 10 10 --threads 1 --catalogue"
-    running = started(*words.split(), catalogue, "-o", output)
-    wait_for(lambda: list(output.parent.rglob("DATA*")) or list(output.parent.rglob("table.dat")))
-    running.send_signal(number)
-    _, told = running.communicate(timeout=30)
-    assert running.returncode == 128 + number
-    assert told == INTERRUPTION
-    assert os.listdir(output.parent) == []
+    with started(*words.split(), catalogue, "-o", output) as running:
+        wait_for(
+            lambda: list(output.parent.rglob("DATA*")) or list(output.parent.rglob("table.dat"))
+        )
+        running.send_signal(number)
+        _, told = running.communicate(timeout=30)
+        assert running.returncode == 128 + number
+        assert told == INTERRUPTION
+        assert os.listdir(output.parent) == []
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
@@ -35,26 +37,26 @@ def test_a_request_to_end_that_all_processes_get_is_answered_once(
 ) -> None:
     output = tmp_path / "bias.json"
     words = "bias --estimator mean --galaxies 100000 --threads 2 -o"
-    running = started(*words.split(), output)
-    wait_for(lambda: len(_workers(running.pid)) >= 2)
-    os.killpg(running.pid, number)
-    _, told = running.communicate(timeout=30)
-    assert running.returncode == 128 + number
-    assert told == INTERRUPTION
-    wait_for(lambda: not _workers(running.pid), 10)
-    assert os.listdir(tmp_path) == []
+    with started(*words.split(), output) as running:
+        wait_for(lambda: len(_workers(running.pid)) >= 2)
+        os.killpg(running.pid, number)
+        _, told = running.communicate(timeout=30)
+        assert running.returncode == 128 + number
+        assert told == INTERRUPTION
+        wait_for(lambda: not _workers(running.pid), 10)
+        assert os.listdir(tmp_path) == []
 
 
 def test_a_request_to_end_that_another_thread_receives_is_answered(tmp_path: Path) -> None:
     words = "bias --estimator mean --galaxies 100000 --threads 1 -o"
-    running = started(*words.split(), tmp_path / "bias.json")
-    tasks = Path(f"/proc/{running.pid}/task")
-    wait_for(lambda: len(list(tasks.iterdir())) >= 2 and _has_read(running.pid, "numba"))
-    # The system gives a signal to the thread whose number is used, if this thread takes it.
-    os.kill(max(int(task.name) for task in tasks.iterdir()), signal.SIGINT)
-    _, told = running.communicate(timeout=30)
-    assert running.returncode == 130
-    assert told == INTERRUPTION
+    with started(*words.split(), tmp_path / "bias.json") as running:
+        tasks = Path(f"/proc/{running.pid}/task")
+        wait_for(lambda: len(list(tasks.iterdir())) >= 2 and _has_read(running.pid, "numba"))
+        # The system gives a signal to the thread whose number is used, if this thread takes it.
+        os.kill(max(int(task.name) for task in tasks.iterdir()), signal.SIGINT)
+        _, told = running.communicate(timeout=30)
+        assert running.returncode == 130
+        assert told == INTERRUPTION
 
 
 def _workers(session: int) -> list[str]:
@@ -95,13 +97,13 @@ def test_what_is_complete_stays_complete(tmp_path: Path) -> None:
     output = tmp_path / "bias.json"
     output.write_text("{}")
     words = "bias --estimator mean --galaxies 100000 --threads 1 --overwrite -o"
-    running = started(*words.split(), output)
-    wait_for(lambda: _has_read(running.pid, "numba"))
-    running.send_signal(signal.SIGTERM)
-    running.communicate(timeout=30)
-    assert running.returncode == 143
-    assert output.read_text() == "{}"
-    assert os.listdir(tmp_path) == ["bias.json"]
+    with started(*words.split(), output) as running:
+        wait_for(lambda: _has_read(running.pid, "numba"))
+        running.send_signal(signal.SIGTERM)
+        running.communicate(timeout=30)
+        assert running.returncode == 143
+        assert output.read_text() == "{}"
+        assert os.listdir(tmp_path) == ["bias.json"]
 
 
 def _has_read(process: int, library: str) -> bool:
