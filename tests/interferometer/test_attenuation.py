@@ -16,7 +16,12 @@ from tests.interferometer.baselines import (
 )
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.geometry.directions import n_minus_one
-from uvshear.interferometer.attenuation import BandwidthSmearing, CombinedAttenuation, TimeSmearing
+from uvshear.interferometer.attenuation import (
+    Attenuation,
+    BandwidthSmearing,
+    CombinedAttenuation,
+    TimeSmearing,
+)
 from uvshear.interferometer.coverage import EARTH_ROTATION
 
 
@@ -58,3 +63,24 @@ def test_nothing_is_smeared_at_the_phase_centre_or_where_widths_are_not_known():
     np.testing.assert_array_equal(both.factor(samples(), 0.0, 0.0), 1.0)
     unknown = samples(bandwidth=nothing, interval=nothing)
     np.testing.assert_array_equal(both.factor(unknown, L, M), 1.0)
+
+
+class _Ramp(Attenuation):
+    """An attenuation of a user, who defines its factor and nothing else."""
+
+    def factor(self, samples, l, m):
+        return np.linspace(0, 1, len(samples)) * (l + 2 * m)
+
+
+@pytest.mark.parametrize(("dtype", "allowed"), [(np.float64, 1e-14), (np.float32, 1e-6)])
+def test_prepared_attenuations_multiply_the_same_factors_for_one_source_after_another(
+    dtype, allowed
+):
+    whole = CombinedAttenuation((BandwidthSmearing(), _Ramp(), TimeSmearing(DECLINATION)))
+    prepared = whole.over(samples())
+    for l, m in ((L, M), (0.0, 0.0), (-2 * L, M)):
+        factor = np.full(PAIRS, 3.0, dtype)
+        prepared.multiply(factor, l, m)
+        expected = np.prod([part.factor(samples(), l, m) for part in whole.parts], axis=0)
+        assert factor.dtype == dtype
+        np.testing.assert_allclose(factor, 3 * expected, rtol=0, atol=allowed)

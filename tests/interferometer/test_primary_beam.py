@@ -75,3 +75,13 @@ def test_a_diameter_that_is_not_given_is_named(unknown):
     diameters = np.array([13.5, unknown, 15.0])
     with pytest.raises(InputError, match="dish of antenna 1 is not known"):
         AiryBeam.from_diameters(diameters)
+
+
+@pytest.mark.parametrize("diameters", [DISHES, np.where(np.arange(ANTENNAS) % 3, 13.5, 15.0)])
+def test_the_samples_of_one_channel_have_the_factors_that_they_have_among_others(diameters):
+    beam = AiryBeam.from_diameters(diameters)
+    one = np.full(PAIRS, FREQUENCY)
+    two = np.where(np.arange(PAIRS) < PAIRS - 1, FREQUENCY, 1.1 * FREQUENCY)
+    alone, among = (beam.factor(samples(frequency=frequency), L, M) for frequency in (one, two))
+    assert alone[-1] > among[-1] > 0
+    np.testing.assert_allclose(alone[:-1], among[:-1], rtol=1e-13)

@@ -1,31 +1,44 @@
 """Kernels of the prediction against numpy."""
 
 import numpy as np
+import pytest
 
 from uvshear.predict import kernels
 
 UVW = np.random.default_rng(3).uniform(-3e4, 3e4, (3, 50))
 PER_METRE = 4.7
-FORM = np.array([3e-12, 1e-12, 2e-12])
+SLOPES = np.array([[0.01, -0.02], [0.0, 0.03]])
+FORMS = np.array([[3e-12, 1e-12, 2e-12], [1e-12, 0.0, 1e-12]])
+LMN1 = np.array([[1e-3, 2e-3, -3e-6], [-4e-3, 0.0, -8e-6]])
 
 
-def test_the_argument_of_a_profile_is_a_form_of_the_shifted_baseline():
-    q = np.empty(50)
-    kernels.profile_argument(UVW, PER_METRE, 0.01, -0.02, FORM, q)
-    u, v = PER_METRE * (UVW[0] - 0.01 * UVW[2]), PER_METRE * (UVW[1] + 0.02 * UVW[2])
-    expected = 4 * np.pi**2 * (FORM[0] * u * u + FORM[1] * u * v + FORM[2] * v * v)
-    np.testing.assert_allclose(q, expected, rtol=1e-11)
+@pytest.mark.parametrize(("dtype", "allowed"), [(np.float64, 1e-11), (np.float32, 1e-4)])
+def test_the_argument_of_a_profile_is_a_form_of_the_shifted_baseline(dtype, allowed):
+    q = np.empty((2, 50), dtype)
+    kernels.profile_arguments(UVW.astype(dtype), PER_METRE, SLOPES, FORMS, q)
+    for got, (x, y), (a, b, c) in zip(q, SLOPES, FORMS, strict=True):
+        u, v = PER_METRE * (UVW[0] - x * UVW[2]), PER_METRE * (UVW[1] - y * UVW[2])
+        expected = 4 * np.pi**2 * (a * u * u + b * u * v + c * v * v)
+        np.testing.assert_allclose(got, expected, rtol=allowed)
 
 
-def test_a_source_is_added_with_its_phase():
-    real, imaginary = np.ones(50), np.zeros(50)
-    envelope = np.linspace(0, 1, 50)
-    kernels.add_source(
-        UVW, PER_METRE, np.array([1e-3, 2e-3, -3e-6]), 2.0, envelope, real, imaginary
-    )
-    turns = PER_METRE * (UVW.T @ np.array([1e-3, 2e-3, -3e-6]))
-    expected = 1 + 2.0 * envelope * np.exp(2j * np.pi * turns)
-    np.testing.assert_allclose(real + 1j * imaginary, expected, rtol=0, atol=1e-9)
+@pytest.mark.parametrize(
+    ("kernel", "dtype", "allowed"),
+    [
+        (kernels.add_sources, np.float64, 1e-9),
+        (kernels.add_sources_single, np.float32, 3e-6),
+    ],
+)
+@pytest.mark.parametrize("rows", [50, 2 * kernels.ROWS, 2 * kernels.ROWS + 7])
+def test_sources_are_added_with_their_phases(kernel, dtype, allowed, rows):
+    uvw = np.random.default_rng(3).uniform(-3e4, 3e4, (3, rows))
+    real, imaginary = np.ones(rows), np.zeros(rows)
+    envelope = np.stack([np.linspace(0, 1, rows), np.linspace(1, 0.5, rows)]).astype(dtype)
+    flux = np.array([2.0, 0.7])
+    kernel(uvw, PER_METRE, LMN1, flux, envelope, real, imaginary)
+    turns = PER_METRE * (LMN1 @ uvw)
+    expected = 1 + np.sum(flux[:, None] * envelope * np.exp(2j * np.pi * turns), axis=0)
+    np.testing.assert_allclose(real + 1j * imaginary, expected, rtol=0, atol=allowed)
 
 
 def test_a_plane_has_the_form_the_taper_and_the_phases_of_its_axes():

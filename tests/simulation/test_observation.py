@@ -1,5 +1,7 @@
 """Simulated observations."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -69,12 +71,24 @@ def test_the_four_components_of_the_noise_are_independent():
 
 
 def test_the_same_seed_gives_the_same_noise_whatever_the_executor_and_blocks(monkeypatch):
-    observation = _observation()
+    observation = replace(_observation(), is_exact=True)
     monkeypatch.setattr(module, "SAMPLES_PER_SLAB", 3 * 1000)
     together = _correlations(observation)
     monkeypatch.setattr(module, "SLABS_PER_BLOCK", 1)
     assert len(list(observation.blocks())) > 100
     np.testing.assert_array_equal(_correlations(observation, executor=in_threads(2)), together)
+
+
+def test_predictions_are_wrong_by_a_small_part_of_the_noise_unless_they_are_exact():
+    quick, exact = (
+        _correlations(replace(_observation(), is_exact=is_exact)) for is_exact in (False, True)
+    )
+    sigma = np.concatenate([block.sigma for block in _observation().blocks()])
+    wrong = np.abs(quick - exact) / sigma
+    assert 0 < np.sqrt(np.mean(wrong**2)) < module.OF_THE_NOISE
+    without_noise = _correlations(_observation(seed=None))
+    expected = _correlations(replace(_observation(seed=None), is_exact=True))
+    np.testing.assert_array_equal(without_noise, expected)
 
 
 def test_another_seed_gives_other_noise():

@@ -233,6 +233,16 @@ def simulate(
         ),
     ] = False,
     primary_beam: PrimaryBeamOption = NONE,
+    exact: Annotated[
+        bool,
+        typer.Option(
+            "--exact",
+            rich_help_panel=MODEL,
+            help="Sum over all galaxies for each visibility, to rounding error. Otherwise this is done only without"
+            " noise; with noise, most visibilities are computed from images, with an rms error of 1e-5 of the noise at"
+            " most.",
+        ),
+    ] = False,
     profile: Annotated[
         str,
         typer.Option(
@@ -247,10 +257,7 @@ def simulate(
     threads: Threads = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Simulate an observation of the sources of a catalogue, and write a Measurement Set.
-
-    Visibilities are computed by direct summation, without gridding.
-    """
+    """Simulate an observation of the sources of a catalogue, and write a Measurement Set."""
     if (hours is None) == (not hour_angles):
         raise InputError("--hours or --hour-angles: give one of the two")
     if snr_at is not None and sefd_jy is not None:
@@ -302,6 +309,7 @@ def simulate(
             profile=brightness,
             seed=None if no_noise else seed,
             executor=executor,
+            exact=exact,
         )
     with progress_bar("simulating") as progress:
         write_measurement_set(

@@ -65,4 +65,7 @@ _F1 = np.float32(1)
 _F2, _F4, _F6, _F8, _F10, _F12 = (
     np.float32((-1) ** k / math.factorial(2 * k)) for k in range(1, 7)
 )
-_F3, _F5, _F7, _F9, _F11 = (np.float32((-1) ** k / math.factorial(2 * k + 1)) for k in range(1, 6))
+# The first three are one to three units of the last place beside those of the Taylor series, so that the rounding of
+# the cosine has a mean of 4e-9 and not of 3e-8, which would add up over the sources of a field.
+_F3, _F5, _F7 = np.float32(-0.16666666), np.float32(0.008333331), np.float32(-0.00019841274)
+_F9, _F11 = (np.float32((-1) ** k / math.factorial(2 * k + 1)) for k in (4, 5))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
-from uvshear.geometry.directions import n_minus_one
+from uvshear.geometry.directions import n_minus_one_at
 from uvshear.imaging.kernels import rotate_phase
 from uvshear.typing import Array, Complex, Float
 
@@ -28,7 +28,7 @@ def shift_phase_centre(
     l, m
         Direction cosines of the new phase centre.
     """
-    n1 = float(n_minus_one(np.array([l]), np.array([m]))[0])
+    n1 = n_minus_one_at(l, m)
     columns = np.ascontiguousarray(uvw.T, float)
     shifted = np.empty_like(vis)
     for chan, per_metre in enumerate(frequency / SPEED_OF_LIGHT):
@@ -44,7 +44,7 @@ def baselines_seen_from(uvw: Float[Array, "row 3"], l: float, m: float) -> Float
     With x the distance from (l, m) in direction cosines, w (n - 1) = w (n_s - 1) - w (l x_l + m x_m)/n_s
     - w x^2/2 + ...: the second term is a shift of (u, v), which is 1 per cent at half a degree for SKA-Mid.
     """
-    n = 1 + float(n_minus_one(np.array([l]), np.array([m]))[0])
+    n = 1 + n_minus_one_at(l, m)
     return np.column_stack(
         [uvw[:, 0] - uvw[:, 2] * (l / n), uvw[:, 1] - uvw[:, 2] * (m / n), uvw[:, 2]]
     )

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
-from uvshear.geometry.directions import n_minus_one
+from uvshear.geometry.directions import n_minus_one_at
 from uvshear.imaging.curvature import mean_curvature, touching_point
 from uvshear.imaging.grid import ImageGrid
 from uvshear.imaging.gridder import degrid, grid
@@ -47,7 +47,7 @@ class TangentPlane:
         Beyond the horizon, where there is no tangent, n is continued linearly from the nearest direction above it.
         """
         l0, m0, n0 = touching_point(l, m)
-        n1 = float(n_minus_one(np.array([l0]), np.array([m0]))[0])
+        n1 = n_minus_one_at(l0, m0)
         slopes = l0 / n0, m0 / n0
         n1 -= slopes[0] * (l - l0) + slopes[1] * (m - m0)
         baselines = np.empty((len(uvw), 3))

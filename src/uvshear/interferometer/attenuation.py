@@ -12,15 +12,27 @@ factor at its centre applies to all of it.
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 
-from uvshear.geometry.directions import n_minus_one
+from uvshear.geometry.directions import n_minus_one_at
 from uvshear.interferometer.coverage import EARTH_ROTATION
+from uvshear.interferometer.kernels import multiply_by_sinc, multiply_by_sinc_single
 from uvshear.interferometer.samples import Samples
 from uvshear.typing import Array, Float
+
+
+class AttenuatedSamples(ABC):
+    """Attenuation of the same samples for one source after another."""
+
+    @abstractmethod
+    def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
+        """Multiply ``factor`` in place by that of a point source at these direction cosines.
+
+        Factors in single precision may be wrong by 1e-6.
+        """
 
 
 class Attenuation(ABC):
@@ -30,18 +42,48 @@ class Attenuation(ABC):
     def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
         """Factor of each sample for a point source at these direction cosines."""
 
+    def over(self, samples: Samples) -> AttenuatedSamples:
+        """Return the attenuation of these samples, for many sources; a subclass may override this to be faster."""
+        return _OneByOne(self, samples)
+
 
 @dataclass(frozen=True)
-class BandwidthSmearing(Attenuation):
-    """Average over channels with a rectangular response."""
+class _OneByOne(AttenuatedSamples):
+    """The factor of every source computed from scratch."""
+
+    attenuation: Attenuation
+    samples: Samples
+
+    def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
+        factor *= self.attenuation.factor(self.samples, l, m)
+
+
+class PreparedAttenuation(Attenuation):
+    """An attenuation of which a part depends on the samples alone."""
 
     def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
-        """Factor by the average over the channel."""
-        return np.sinc(_turns(samples.uvw, l, m) * (samples.bandwidth / samples.frequency))
+        """Factor of each sample for a point source at these direction cosines."""
+        factor = np.ones(len(samples))
+        self.over(samples).multiply(factor, l, m)
+        return factor
+
+    @abstractmethod
+    def over(self, samples: Samples) -> AttenuatedSamples:
+        """Return the attenuation of these samples, for many sources."""
 
 
 @dataclass(frozen=True)
-class TimeSmearing(Attenuation):
+class BandwidthSmearing(PreparedAttenuation):
+    """Average over channels with a rectangular response."""
+
+    def over(self, samples: Samples) -> AttenuatedSamples:
+        """Return the attenuation of these samples, for many sources."""
+        baselines = np.ascontiguousarray(samples.uvw.T, float)
+        return _Averaged(baselines, samples.bandwidth / samples.frequency, np.eye(3))
+
+
+@dataclass(frozen=True)
+class TimeSmearing(PreparedAttenuation):
     """Average over integrations, while the Earth turns the baselines about the pole.
 
     Parameters
@@ -52,22 +94,46 @@ class TimeSmearing(Attenuation):
 
     declination: float
 
-    def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
-        """Factor by the average over the integration."""
-        rate = _turns(rotation(samples.uvw, self.declination), l, m)
-        return np.sinc(rate * samples.interval)
+    def over(self, samples: Samples) -> AttenuatedSamples:
+        """Return the attenuation of these samples, for many sources."""
+        baselines = np.ascontiguousarray(samples.uvw.T, float)
+        rotation = rotation_matrix(self.declination)
+        return _Averaged(baselines, samples.interval.astype(float), rotation)
 
 
 @dataclass(frozen=True)
-class CombinedAttenuation(Attenuation):
+class _Averaged(AttenuatedSamples):
+    """Average over a range of phases: sin(pi x)/(pi x) with x = scale (rotation . uvw) . (l, m, n - 1)."""
+
+    uvw: Float[Array, "3 sample"]
+    scale: Float[Array, " sample"]
+    rotation: Float[Array, "3 3"]
+
+    def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
+        n1 = n_minus_one_at(l, m)
+        direction = tuple((np.array([l, m, n1]) @ self.rotation).tolist())
+        kernel = multiply_by_sinc_single if factor.dtype == np.float32 else multiply_by_sinc
+        kernel(self.uvw, direction, self.scale, factor)
+
+
+@dataclass(frozen=True)
+class CombinedAttenuation(PreparedAttenuation):
     """Product of several attenuations."""
 
     parts: tuple[Attenuation, ...]
 
-    def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
-        """Product of the factors."""
-        factors = (part.factor(samples, l, m) for part in self.parts)
-        return reduce(np.multiply, factors, np.ones(len(samples)))
+    def over(self, samples: Samples) -> AttenuatedSamples:
+        """Return the product for these samples, for many sources."""
+        return _Product([part.over(samples) for part in self.parts])
+
+
+@dataclass(frozen=True)
+class _Product(AttenuatedSamples):
+    parts: Sequence[AttenuatedSamples]
+
+    def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
+        for part in self.parts:
+            part.multiply(factor, l, m)
 
 
 def total_attenuation(
@@ -82,14 +148,8 @@ def total_attenuation(
     return CombinedAttenuation(parts) if parts else None
 
 
-def rotation(uvw: Float[Array, "sample 3"], declination: float) -> Float[Array, "sample 3"]:
-    """Rate of change of (u, v, w) [1/s], as the Earth turns them about the pole, (0, cos dec, sin dec)."""
-    u, v, w = uvw.T
+def rotation_matrix(declination: float) -> Float[Array, "3 3"]:
+    """Matrix that turns (u, v, w) into its rate of change [1/s]."""
     sine, cosine = math.sin(declination), math.cos(declination)
-    return EARTH_ROTATION * np.column_stack([cosine * w - sine * v, sine * u, -cosine * u])
-
-
-def _turns(uvw: Float[Array, "sample 3"], l: float, m: float) -> Float[Array, " sample"]:
-    """Phase of a point source, in turns."""
-    n1 = float(n_minus_one(np.array([l]), np.array([m]))[0])
-    return uvw @ np.array([l, m, n1])
+    turning = [[0.0, -sine, cosine], [sine, 0.0, 0.0], [-cosine, 0.0, 0.0]]
+    return EARTH_ROTATION * np.array(turning)

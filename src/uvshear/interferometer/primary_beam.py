@@ -13,10 +13,11 @@ from scipy.special import j1
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.errors import InputError
-from uvshear.geometry.directions import n_minus_one
-from uvshear.interferometer.attenuation import Attenuation
+from uvshear.geometry.directions import n_minus_one_at
+from uvshear.interferometer.attenuation import AttenuatedSamples, PreparedAttenuation
+from uvshear.interferometer.kernels import multiply_by_entries
 from uvshear.interferometer.samples import Samples
-from uvshear.typing import Array, Float
+from uvshear.typing import Array, Float, Int
 
 MEERKAT_WIDTH = math.radians(57.5 / 60) * 1.5e9
 """Full width at half maximum of a MeerKAT dish's power beam, times the frequency [rad Hz]."""
@@ -33,7 +34,7 @@ _COSINE_WIDTH = 1.18896
 
 
 @dataclass(frozen=True)
-class PrimaryBeam(Attenuation):
+class PrimaryBeam(PreparedAttenuation):
     """Beams of dishes that all point in the same direction, with one width for each antenna.
 
     Parameters
@@ -53,24 +54,76 @@ class PrimaryBeam(Attenuation):
     def voltage(self, x: Float[Array, "..."]) -> Float[Array, "..."]:
         """Voltage beam at a distance from the axis, in full widths at half maximum of the power beam."""
 
-    def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
-        """Product of both antennas' voltage beams."""
+    def over(self, samples: Samples) -> AttenuatedSamples:
+        """Return the product of both antennas' voltage beams at these samples, for many sources.
+
+        Raises
+        ------
+        InputError
+            The dishes differ, and the samples have antennas without a width.
+        """
+        widths, kind = np.unique(self.width, return_inverse=True)
+        if len(widths) == 1:
+            pair = np.zeros(len(samples), np.int32)
+        else:
+            self._check_antennas(samples)
+            first, second = kind[samples.antennas.T]
+            pair = (first * len(widths) + second).astype(np.int32)
+        return _Dishes(self, widths, pair, samples.frequency)
+
+    def distance(self, l: float, m: float) -> float:
+        """Distance of a direction from the dishes' axis [rad]."""
         l0, m0 = self.pointing
-        n, n0 = n_minus_one(np.array([l, l0]), np.array([m, m0])).tolist()
-        distance = 2 * math.asin(min(math.dist((l, m, n), (l0, m0, n0)) / 2, 1.0))
-        scaled = distance * samples.frequency
-        first, second = samples.antennas.T
-        kinds = np.unique(self.width)
-        if len(kinds) == 1:
-            return self.voltage(scaled / kinds[0]) ** 2
-        if len(samples) and not 0 <= samples.antennas.min() <= samples.antennas.max() < len(
-            self.width
-        ):
+        n, n0 = n_minus_one_at(l, m), n_minus_one_at(l0, m0)
+        return 2 * math.asin(min(math.dist((l, m, n), (l0, m0, n0)) / 2, 1.0))
+
+    def _check_antennas(self, samples: Samples) -> None:
+        known, seen = len(self.width), samples.antennas
+        if len(samples) and not 0 <= seen.min() <= seen.max() < known:
             raise InputError(
-                f"the primary beam has widths for antennas 0 to {len(self.width) - 1}, but the data contain other"
-                " antennas"
+                f"the primary beam has widths for antennas 0 to {known - 1}, but the data contain other antennas"
             )
-        return self.voltage(scaled / self.width[first]) * self.voltage(scaled / self.width[second])
+
+
+class _Dishes(AttenuatedSamples):
+    """Primary beams of the two dishes of each sample.
+
+    Parameters
+    ----------
+    beam
+        Beams of the dishes.
+    widths
+        Widths of the kinds of dishes, times the frequency [rad Hz].
+    pair
+        Number of the first dish's kind, times the number of kinds, plus that of the second.
+    frequency
+        Frequency of each sample [Hz].
+    """
+
+    def __init__(
+        self,
+        beam: PrimaryBeam,
+        widths: Float[Array, " kind"],
+        pair: Int[Array, " sample"],
+        frequency: Float[Array, " sample"],
+    ) -> None:
+        self._beam, self._widths, self._pair, self._frequency = beam, widths, pair, frequency
+        # The samples of one channel share a few values.
+        self._is_one_channel = len(frequency) > 0 and frequency.min() == frequency.max()
+
+    def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
+        distance, voltage, widths = self._beam.distance(l, m), self._beam.voltage, self._widths
+        if self._is_one_channel:
+            of_kind = voltage(distance * self._frequency[0] / widths)
+            table = np.outer(of_kind, of_kind).ravel()
+            multiply_by_entries(table.astype(factor.dtype), self._pair, factor)
+            return
+        scaled = distance * self._frequency
+        if len(widths) == 1:
+            factor *= voltage(scaled / widths[0]) ** 2
+            return
+        for number in np.divmod(self._pair, len(widths)):
+            factor *= voltage(scaled / widths[number])
 
 
 @dataclass(frozen=True)

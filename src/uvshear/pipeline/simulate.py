@@ -37,6 +37,7 @@ def simulate(
     profile: Profile | None = None,
     seed: int | None = 1,
     executor: Executor = SERIAL,
+    exact: bool = False,
 ) -> SimulatedObservation:
     """Simulate an observation of the sources of a catalogue.
 
@@ -63,6 +64,9 @@ def simulate(
     seed
         Seed of the noise, and of sizes that the catalogue lacks; with None no noise is added, but the weights are those
         of the noise.
+    exact
+        Whether visibilities are sums over all galaxies, to rounding error. Otherwise this holds only without noise;
+        with noise, most are computed from images, with an rms error of 1e-5 of the noise at most.
 
     Warns
     -----
@@ -111,6 +115,7 @@ def simulate(
         executor=executor,
         is_averaged=plan.is_averaged,
         primary_beam=plan.primary_beam,
+        is_exact=exact,
     )
 
 

@@ -34,15 +34,14 @@ def predict_at_samples(
         part = samples.select(slice(start, start + SLAB))
         ratio = part.frequency / galaxies.reference_frequency
         powers = {index: ratio**index for index in set(galaxies.spectral_index.tolist())}
+        attenuated = None if attenuation is None else attenuation.over(part)
 
-        def factor(source: int) -> Float[Array, " slab"]:
-            own = powers[float(galaxies.spectral_index[source])]
-            if attenuation is None:
-                return own
-            place = float(galaxies.l[source]), float(galaxies.m[source])
-            return own * attenuation.factor(part, *place)
+        def multiply(source: int, factor: Float[Array, " slab"]) -> None:
+            factor *= powers[float(galaxies.spectral_index[source])]
+            if attenuated is not None:
+                attenuated.multiply(factor, float(galaxies.l[source]), float(galaxies.m[source]))
 
-        return sum_of_sources(galaxies, part.uvw, profile, factor)
+        return sum_of_sources(galaxies, part.uvw, profile, multiply)
 
     parts = list(executor.map(predict, range(0, len(samples), SLAB)))
     return np.concatenate(parts) if parts else np.zeros(0, complex)

@@ -1,30 +1,65 @@
-"""Numba kernels of the prediction, for one source and one slab of samples or stamp; ``uvw`` is (3, row)."""
+"""Numba kernels of the prediction, for a few sources and one slab of samples or for one stamp; ``uvw`` is (3, row)."""
 
 import math
 
+import numpy as np
+
 from uvshear.compilation import compiled
-from uvshear.geometry.kernels import sine_cosine_of_turns
+from uvshear.geometry.kernels import sine_cosine_of_turns, sine_cosine_of_turns_single
+
+ROWS = 512
+"""Number of rows whose baselines and sums fit into the level-1 cache."""
 
 
 @compiled
-def profile_argument(uvw, per_metre, slope_l, slope_m, form, q):  # type: ignore[no-untyped-def]
-    """Write 4 pi^2 alpha^2 |A^-T k|^2 into q, with k = (u - w l/n, v - w m/n) in wavelengths."""
-    scale = 4 * math.pi**2 * per_metre**2
-    a, b, c = form[0] * scale, form[1] * scale, form[2] * scale
-    for i in range(q.size):
-        u = uvw[0, i] - uvw[2, i] * slope_l
-        v = uvw[1, i] - uvw[2, i] * slope_m
-        q[i] = a * u * u + b * u * v + c * v * v
+def profile_arguments(uvw, per_metre, slopes, forms, q):  # type: ignore[no-untyped-def]
+    """Write 4 pi^2 alpha^2 |A^-T k|^2 of each source into q (source, row), with k = (u - w l/n, v - w m/n).
+
+    k is in wavelengths. The arithmetic is in the precision of q, in which ``uvw`` must be.
+    """
+    scale, precision = 4 * math.pi**2 * per_metre**2, q.dtype.type
+    for s in range(len(q)):
+        a, b, c = forms[s] * scale
+        a, b, c = precision(a), precision(b), precision(c)
+        x, y, own = precision(slopes[s, 0]), precision(slopes[s, 1]), q[s]
+        for i in range(own.size):
+            u = uvw[0, i] - uvw[2, i] * x
+            v = uvw[1, i] - uvw[2, i] * y
+            own[i] = a * u * u + b * u * v + c * v * v
 
 
 @compiled
-def add_source(uvw, per_metre, lmn1, flux, envelope, real, imaginary):  # type: ignore[no-untyped-def]
-    """Add flux x envelope x exp(2 pi i (u l + v m + w (n-1)))."""
-    l, m, n1 = lmn1[0] * per_metre, lmn1[1] * per_metre, lmn1[2] * per_metre
-    for i in range(real.size):
-        sine, cosine = sine_cosine_of_turns(uvw[0, i] * l + uvw[1, i] * m + uvw[2, i] * n1)
-        real[i] += flux * envelope[i] * cosine
-        imaginary[i] += flux * envelope[i] * sine
+def add_sources(uvw, per_metre, lmn1, flux, envelope, real, imaginary):  # type: ignore[no-untyped-def]
+    """Add flux x envelope x exp(2 pi i (u l + v m + w (n-1))) of each source."""
+    for start in range(0, real.size, ROWS):
+        rows = slice(start, start + ROWS)
+        u, v, w = uvw[0, rows], uvw[1, rows], uvw[2, rows]
+        x, y = real[rows], imaginary[rows]
+        for s in range(len(flux)):
+            l, m, n1 = lmn1[s, 0] * per_metre, lmn1[s, 1] * per_metre, lmn1[s, 2] * per_metre
+            scale, own = flux[s], envelope[s, rows]
+            for i in range(x.size):
+                sine, cosine = sine_cosine_of_turns(u[i] * l + v[i] * m + w[i] * n1)
+                amplitude = scale * own[i]
+                x[i] += amplitude * cosine
+                y[i] += amplitude * sine
+
+
+@compiled
+def add_sources_single(uvw, per_metre, lmn1, flux, envelope, real, imaginary):  # type: ignore[no-untyped-def]
+    """Do the same as :func:`add_sources` in single precision, but for the turns and the sums."""
+    for start in range(0, real.size, ROWS):
+        rows = slice(start, start + ROWS)
+        u, v, w = uvw[0, rows], uvw[1, rows], uvw[2, rows]
+        x, y = real[rows], imaginary[rows]
+        for s in range(len(flux)):
+            l, m, n1 = lmn1[s, 0] * per_metre, lmn1[s, 1] * per_metre, lmn1[s, 2] * per_metre
+            scale, own = np.float32(flux[s]), envelope[s, rows]
+            for i in range(x.size):
+                sine, cosine = sine_cosine_of_turns_single(u[i] * l + v[i] * m + w[i] * n1)
+                amplitude = scale * own[i]
+                x[i] += amplitude * cosine
+                y[i] += amplitude * sine
 
 
 @compiled

@@ -1,6 +1,8 @@
 """Galaxies drawn as pixels: the Fourier transform of the image is that of the galaxies on the baselines of a band."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -22,8 +24,8 @@ LARGEST_STAMP = 1536
 """Largest size of a stamp [pixels], however large a galaxy is listed or fitted: 430 arcsec for the finest pixels of
 SKA-Mid. A galaxy with a scale length of 25 arcsec has 0.2 per cent of its flux outside, which comes to lie inside."""
 
-_KAISER = 9.0
-"""Shape parameter of the window whose integral is the taper."""
+STEEPNESS = 9.0
+"""Shape parameter of the Kaiser window whose integral is the taper."""
 
 
 def render(
@@ -56,18 +58,51 @@ def render(
     profile
         Brightness profile.
     """
+    forms = np.stack(quadratic_form(galaxies.ellipticity, galaxies.scale_length), axis=-1)
+    sizes = [stamp_size(float(width), band.pixel) for width in half_width]
+    place = np.column_stack([galaxies.l, galaxies.m])
+    return draw(Stamps(place, forms, flux, sizes), tile, band, profile)
+
+
+@dataclass(frozen=True)
+class Stamps:
+    """Galaxies to be drawn, each on a stamp of its own.
+
+    Parameters
+    ----------
+    place
+        Position of each galaxy [rad].
+    forms
+        Quadratic form of each galaxy (``geometry.ellipticity.quadratic_form``) [rad^2].
+    flux
+        Flux of each galaxy [Jy].
+    sizes
+        Number of pixels along a side of each stamp.
+    steepness
+        Shape parameter of the taper beyond the band. The larger it is, the farther the images reach, and the smaller
+        is what they have beyond their stamps.
+    """
+
+    place: Float[Array, "source 2"]
+    forms: Float[Array, "source 3"]
+    flux: Float[Array, " source"]
+    sizes: Sequence[int]
+    steepness: float = STEEPNESS
+
+
+def draw(stamps: Stamps, tile: Tile, band: Band, profile: Profile) -> Float[Array, "l m"]:
+    """Draw galaxies on a tile that holds their stamps, as :func:`render` does."""
     image = np.zeros((tile.size, tile.size), np.float32)
     pixel = band.pixel
-    forms = np.stack(quadratic_form(galaxies.ellipticity, galaxies.scale_length), axis=-1)
-    for source in range(len(galaxies)):
-        size = stamp_size(float(half_width[source]), pixel)
-        place = galaxies.l[source] / pixel, galaxies.m[source] / pixel
+    for place, form, flux, size in zip(
+        stamps.place / pixel, stamps.forms, stamps.flux, stamps.sizes, strict=True
+    ):
         nearest = round(place[0]), round(place[1])
         offset = (place[0] - nearest[0]) * pixel, (place[1] - nearest[1]) * pixel
-        spectrum = transform_on_stamp(forms[source], offset, size, band, profile)
+        spectrum = transform_on_stamp(form, offset, size, band, profile, stamps.steepness)
         stamp = fft.fftshift(fft.irfft2(spectrum, s=(size, size), overwrite_x=True))
         i, j = (nearest[axis] - tile.origin[axis] - size // 2 for axis in (0, 1))
-        image[i : i + size, j : j + size] += np.float32(flux[source]) * stamp
+        image[i : i + size, j : j + size] += np.float32(flux) * stamp
     return image
 
 
@@ -83,6 +118,7 @@ def transform_on_stamp(
     size: int,
     band: Band,
     profile: Profile,
+    steepness: float = STEEPNESS,
 ) -> Complex[Array, "u v"]:
     """Fourier transform of a galaxy of unit flux on a stamp, in the layout of ``irfft2``.
 
@@ -98,8 +134,10 @@ def transform_on_stamp(
         Baselines, and pixels.
     profile
         Brightness profile.
+    steepness
+        Shape parameter of the taper beyond the band.
     """
-    u, v, taper = _stamp_plane(size, band)
+    u, v, taper = _stamp_plane(size, band, steepness)
     q, spectrum = np.empty(taper.shape, np.float32), np.empty(taper.shape, np.complex64)
     kernels.plane_argument(u, v, (4 * math.pi**2 * form).astype(np.float32), q)
     along_u, along_v = (
@@ -112,18 +150,20 @@ def transform_on_stamp(
 
 @lru_cache(maxsize=64)
 def _stamp_plane(
-    size: int, band: Band
+    size: int, band: Band, steepness: float
 ) -> tuple[Float[Array, " u"], Float[Array, " v"], Float[Array, "u v"]]:
     u = fft.fftfreq(size, band.pixel).astype(np.float32)
     v = fft.rfftfreq(size, band.pixel).astype(np.float32)
     distance = np.hypot(u[:, None], v[None, :])
-    return u, v, smooth_step(distance, band.longest, 0.5 / band.pixel)
+    return u, v, smooth_step(distance, band.longest, 0.5 / band.pixel, steepness)
 
 
-def smooth_step(x: Float[Array, "..."], start: float, stop: float) -> Float[Array, "..."]:
+def smooth_step(
+    x: Float[Array, "..."], start: float, stop: float, steepness: float = STEEPNESS
+) -> Float[Array, "..."]:
     """Fall from 1 at ``start`` to 0 at ``stop``, as the integral of a Kaiser window."""
     t = np.linspace(-1, 1, 2001)
-    mass = np.cumsum(np.i0(_KAISER * np.sqrt(1 - t**2)))
+    mass = np.cumsum(np.i0(steepness * np.sqrt(1 - t**2)))
     fall = 1 - mass / mass[-1]
     place = (x - start) / (stop - start) * 2 - 1
     return np.interp(place, t, fall, left=1.0, right=0.0).astype(np.float32)

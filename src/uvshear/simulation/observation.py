@@ -1,5 +1,6 @@
 """A simulated observation: galaxies observed by an array, with noise."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -17,15 +18,21 @@ from uvshear.interferometer.origin import Origin
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import stokes_i
 from uvshear.interferometer.visibilities import Integrations, Visibilities
-from uvshear.predict import predict_visibilities
 from uvshear.predict.losses import Losses
+from uvshear.predict.within_error import predict_within_error
 from uvshear.typing import Array, Complex, Float
 
 SAMPLES_PER_SLAB: Final = 2**18
 """Number of visibilities whose noise comes from one stream of random numbers."""
 
 SLABS_PER_BLOCK: Final = 16
-"""Number of slabs that are predicted together: 4 million visibilities, 64 MB."""
+"""Number of slabs in a block: 4 million visibilities, 64 MB."""
+
+BLOCKS_PER_PREDICTION: Final = 4
+"""Number of blocks that are predicted together, because galaxies are drawn anew for every prediction."""
+
+OF_THE_NOISE: Final = 1e-5
+"""Root mean square of the error of the predicted visibilities, over the smallest noise of Stokes I."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +83,9 @@ class SimulatedObservation:
         one frequency and one time.
     primary_beam
         Primary beam of the dishes; none unless given.
+    is_exact
+        Whether visibilities are exact sums over the galaxies; otherwise they may be wrong by ``OF_THE_NOISE`` where
+        there is noise.
     """
 
     coverage: Coverage
@@ -87,6 +97,7 @@ class SimulatedObservation:
     executor: Executor = SERIAL
     is_averaged: bool = False
     primary_beam: Attenuation | None = None
+    is_exact: bool = False
 
     @property
     def phase_centre(self) -> PhaseCentre:
@@ -118,22 +129,18 @@ class SimulatedObservation:
     def blocks(self, executor: Executor = SERIAL) -> Iterator[CorrelationBlock]:
         """Simulate the correlations, a block of rows at a time."""
         rows_per_block = SLABS_PER_BLOCK * self.rows_per_slab
-        for first_row in range(0, len(self.coverage), rows_per_block):
-            coverage = self.coverage.rows(slice(first_row, first_row + rows_per_block))
-            rows = slice(first_row, first_row + len(coverage))
-            sky = predict_visibilities(
-                self.galaxies,
-                coverage.uvw,
-                self.channels.frequency,
-                self.profile,
-                executor,
-                self._losses(rows),
-            )
-            sigma = self.noise.correlation_sigma(coverage, self.channels).astype(np.float32)
-            correlations = np.repeat(sky.astype(np.complex64)[..., None], 2, axis=2)
-            if self.seed is not None:
-                self._add_noise(correlations, sigma, first_row // self.rows_per_slab)
-            yield CorrelationBlock(first_row, correlations, np.repeat(sigma[..., None], 2, axis=2))
+        together = BLOCKS_PER_PREDICTION * rows_per_block
+        for start in range(0, len(self.coverage), together):
+            sky = self._predicted(slice(start, start + together), executor)
+            for first_row in range(start, start + len(sky), rows_per_block):
+                rows = slice(first_row, first_row + rows_per_block)
+                sigma = self._sigma(rows)
+                taken = sky[first_row - start :][:rows_per_block]
+                correlations = np.repeat(taken[..., None], 2, axis=2)
+                if self.seed is not None:
+                    self._add_noise(correlations, sigma, first_row // self.rows_per_slab)
+                sigma_of_hands = np.repeat(sigma[..., None], 2, axis=2)
+                yield CorrelationBlock(first_row, correlations, sigma_of_hands)
 
     def chunks(self) -> Iterator[Visibilities]:
         """Simulate Stokes I as it would be read from a Measurement Set."""
@@ -153,6 +160,27 @@ class SimulatedObservation:
                 integrations=self._integrations(rows),
                 hand_powers=combined.hand_powers,
             )
+
+    def _predicted(self, rows: slice, executor: Executor) -> Complex[Array, "row chan"]:
+        """Visibilities of the galaxies, which both hands have [Jy]."""
+        error = 0.0
+        if not self.is_exact and self.seed is not None:
+            error = OF_THE_NOISE * float(self._sigma(rows).min()) / math.sqrt(2)
+        sky = predict_within_error(
+            self.galaxies,
+            self.coverage.rows(rows).uvw,
+            self.channels.frequency,
+            error,
+            self.profile,
+            executor,
+            self._losses(rows),
+        )
+        return sky.astype(np.complex64)
+
+    def _sigma(self, rows: slice) -> Float[Array, "row chan"]:
+        """Noise of one real component of each hand [Jy]."""
+        sigma = self.noise.correlation_sigma(self.coverage.rows(rows), self.channels)
+        return sigma.astype(np.float32)
 
     def _integrations(self, rows: slice) -> Integrations:
         taken = self.coverage.rows(rows)
