@@ -26,7 +26,7 @@ from slopes import slope_figures
 import uvshear
 from uvshear.constants import ARCSEC, MICROJANSKY
 from uvshear.diagnostics.slope import fit_slope, population_weights
-from uvshear.execution import Executor, in_threads
+from uvshear.execution import Executor, in_copies
 from uvshear.extraction.converged.beams import BeamPlan, gather_beams
 from uvshear.extraction.converged.major_cycle import gather_residuals
 from uvshear.extraction.converged.plan import SMALL, FacetRequests, plan_major_cycle
@@ -48,7 +48,7 @@ BRIGHT = 25 * MICROJANSKY
 def main() -> None:
     """Simulate, measure both ways, print, write."""
     arguments = parse()
-    executor = in_threads(arguments.threads)
+    executor = in_copies(arguments.threads)
     galaxies, observation, noise = survey.simulate(
         arguments.field_arcmin, arguments.density, arguments.integration_s, arguments.seed, executor
     )
@@ -59,15 +59,20 @@ def main() -> None:
         extraction=uvshear.ConvergedExtraction() if is_converged else uvshear.PaperExtraction()
     )
     catalogue = catalogue_from_galaxies(galaxies, survey.PHASE_CENTRE)
-    wall, cpu = time.perf_counter(), time.process_time()
+    gridder = survey.gridder_seconds()
+    wall, cpu = time.perf_counter(), survey.cpu_seconds()
     measurement = uvshear.measure(
         observation, catalogue, method=method, resources=uvshear.Resources(executor=executor)
     )
-    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    wall, cpu = time.perf_counter() - wall, survey.cpu_seconds() - cpu
+    gridder = (gridder + survey.gridder_seconds()) / 2
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6  # of kilobytes
     print(f"{arguments.extraction}: {wall:.1f} s wall, {cpu:.1f} s CPU, {memory:.2f} GB at most")
+    print(f"one pass of the gridder {gridder:.2f} s: {wall / gridder:.0f} of them")
     print(measurement.record, flush=True)
     shapes = measurement.shapes
+    if arguments.shapes:
+        shapes.write(arguments.shapes, overwrite=True)
     flags, counts = np.unique(np.array(shapes["flag"]), return_counts=True)
     print(", ".join(f"{n} {flag}" for flag, n in zip(flags, counts, strict=True)), flush=True)
     alone = None if arguments.without_isolated else isolated(galaxies, noise, executor)
@@ -80,6 +85,8 @@ def main() -> None:
             "flagged_percent": 100 * flagged / len(galaxies),
             "wall_min": wall / 60,
             "cpu_s": cpu,
+            "gridder_s": gridder,
+            "wall_over_gridder": wall / gridder,
             "cpu_s_per_galaxy": cpu / len(galaxies),
             "memory_gb": memory,
             **slopes_of(galaxies, shapes),
@@ -113,6 +120,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--without-isolated", action="store_true")
     parser.add_argument("--table", type=Path, help="ECSV to add the figures to")
     parser.add_argument("--record", help="name of a record to write to benchmarks/results")
+    parser.add_argument("--shapes", type=Path, help="file for the shapes")
     parser.add_argument("--seed", type=int, default=7)
     parser.add_argument("--threads", type=int, default=2)
     return parser.parse_args()

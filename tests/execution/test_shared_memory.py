@@ -1,6 +1,7 @@
 """Memory that copies of a process see."""
 
 import numpy as np
+import pytest
 
 from uvshear.execution.shared_memory import shared_zeros
 
@@ -11,6 +12,11 @@ def test_it_is_an_array_of_zeros_that_can_be_written() -> None:
     np.testing.assert_array_equal(found, 0.0)
     found[1, 2] = 5.0
     assert found.sum() == 5.0
+
+
+def test_memory_that_could_not_be_shared_is_never_given() -> None:
+    with pytest.raises(MemoryError, match="bytes of shared memory"):
+        shared_zeros((2**20, 2**20, 2**10), np.float64)
 
 
 def test_an_empty_array_is_possible() -> None:

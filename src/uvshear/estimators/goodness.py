@@ -21,8 +21,7 @@ from dataclasses import dataclass
 from typing import Final, Self
 
 import numpy as np
-from scipy.stats import f as f_distribution
-from scipy.stats import t as t_distribution
+from scipy.special import fdtrc, stdtr
 
 from uvshear.estimators.terms import Terms
 from uvshear.typing import Array, Float
@@ -181,7 +180,7 @@ def _tested(scores: Float[Array, "source parameter"], names: tuple[str, ...]) ->
     # The pseudoinverse leaves out a parameter on which nothing depends.
     distance = float(mean @ np.linalg.pinv(covariance, hermitian=True) @ mean)
     statistic = number * distance * (number - count) / (count * (number - 1))
-    probability = float(f_distribution.sf(statistic, count, number - count))
+    probability = float(fdtrc(count, number - count, statistic))
     variance = np.diag(covariance)
     shift = np.divide(mean, variance, out=np.zeros(count), where=variance > 0)
     return PartTest(probability, dict(zip(names, map(float, shift), strict=True)))
@@ -195,4 +194,4 @@ def _probability_of_mean(values: Float[Array, " source"]) -> float:
     error = float(np.std(values, ddof=1)) / number**0.5
     if error == 0:
         return 1.0
-    return float(2 * t_distribution.sf(abs(float(values.mean())) / error, number - 1))
+    return float(2 * stdtr(number - 1, -abs(float(values.mean())) / error))

@@ -11,12 +11,18 @@ from uvshear.typing import Array
 
 
 def shared_zeros(shape: Sequence[int], dtype: DTypeLike) -> Array:
-    """Return zeros in memory that copies of this process see as it is now; what is not written takes no memory."""
+    """Return zeros in memory that copies of this process see as it is now; what is not written takes no memory.
+
+    Raises
+    ------
+    MemoryError
+        The system does not give that much memory.
+    """
     size = math.prod(shape)
     if size == 0:
         return np.zeros(tuple(shape), dtype)
     try:
         memory = mmap.mmap(-1, size * np.dtype(dtype).itemsize)
-    except OSError:
-        return np.zeros(tuple(shape), dtype)
+    except OSError as error:
+        raise MemoryError(f"{size * np.dtype(dtype).itemsize} bytes of shared memory") from error
     return np.frombuffer(memory, dtype).reshape(tuple(shape))

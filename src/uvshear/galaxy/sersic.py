@@ -3,14 +3,17 @@
 import math
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.special import gammaincinv, j0
 
 from uvshear.galaxy.exponential import Exponential
 from uvshear.galaxy.profile import Profile
 from uvshear.typing import Array, Float
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 HALF_LIGHT = 1.6783469900166605
 """Half-light radius of an exponential disc over its scale length."""
@@ -70,8 +73,10 @@ class DiscBulge(Profile):
 
 
 @lru_cache(maxsize=16)
-def _table(index: float) -> CubicSpline:
+def _table(index: float) -> "CubicSpline":
     """Spline of the transform over ln(1 + 1e6 q), with q = (2 pi alpha k)^2 for a round galaxy."""
+    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - takes a tenth of a second
+
     b = float(gammaincinv(2 * index, 0.5))
     # With r/r_h = t^n the brightness is exp(-b t), and the integrand is smooth in sqrt(t) at the cusp.
     nodes, weights = np.polynomial.legendre.leggauss(200)

@@ -7,8 +7,10 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy import fft
 
+from uvshear.imaging import kernels
 from uvshear.numerics.fft_sizes import fast_size
 from uvshear.numerics.half_plane import HalfPlane, half_plane
+from uvshear.numerics.real_transforms import half_spectrum
 from uvshear.typing import Array, Complex, Float, Int
 
 
@@ -68,17 +70,25 @@ class Cutout:
         """
         paired = square.copy()
         paired[0, :] = paired[:, 0] = 0
-        spectrum = fft.rfft2(paired, overwrite_x=True)
+        spectrum = half_spectrum(paired)
         return spectrum[self.cells].conj() * self._scale
 
     @cached_property
-    def coarse_cells(self) -> tuple[Int[Array, " low"], Array, Array]:
-        """Cells that pixels twice as wide resolve, and their positions in the transform of a square of such pixels."""
+    def resolved_cells(self) -> Int[Array, " low"]:
+        """Cells that pixels twice as wide resolve."""
         half = self.size // 2
         i, j = self.cells
-        signed = np.where(i > self.size // 2, i - self.size, i)
-        low = np.flatnonzero((np.abs(signed) < half // 2) & (j < half // 2))
-        return low, signed[low] % half, j[low]
+        signed = np.where(i > half, i - self.size, i)
+        return np.flatnonzero((np.abs(signed) < half // 2) & (j < half // 2))
+
+    @cached_property
+    def _coarse(self) -> tuple[Int[Array, " low"], Int[Array, " low"], Float[Array, " low"]]:
+        """Positions of these cells in the transform of a square of wide pixels, and their scale."""
+        low, half = self.resolved_cells, self.size // 2
+        i, j = (index[low] for index in self.cells)
+        i = np.where(i > half, i - self.size, i) % half
+        sign = np.where((i + j) % 2, -1, 1)
+        return i, j, (4 / self.size**2 * self.multiplicity[low] * sign).astype(np.float32)
 
     def add_coarse(
         self, square: Float[Array, "l m"], factor: float, facet: Complex[Array, " cell"]
@@ -94,22 +104,21 @@ class Cutout:
         facet
             Facet that is added to, on the cells that the coarse pixels resolve.
         """
-        low, i, j = self.coarse_cells
         paired = square.copy()
         paired[0, :] = paired[:, 0] = 0
-        spectrum = fft.rfft2(paired, overwrite_x=True)[i, j].conj()
-        sign = (-1.0) ** (i + j)
-        facet[low] += (factor * 4 / self.size**2) * (self.multiplicity[low] * sign) * spectrum
+        i, j, scale = self._coarse
+        kernels.gather_cells(
+            half_spectrum(paired), i, j, np.float32(factor) * scale, self.resolved_cells, facet
+        )
 
-    def recentring(self, offset: tuple[float, float]) -> Complex[Array, " cell"]:
-        """Phases that move a facet's centre by ``offset`` [rad]."""
-        i, j = self.cells
+    def recentre(self, facet: Complex[Array, " cell"], offset: tuple[float, float]) -> None:
+        """Move a facet's centre by ``offset`` [rad], in place."""
         u, v = fft.fftfreq(self.size, self.pixel), fft.rfftfreq(self.size, self.pixel)
         along_u, along_v = (
             np.exp(-2j * math.pi * x * k).astype(np.complex64)
             for x, k in zip(offset, (u, v), strict=True)
         )
-        return along_u[i] * along_v[j]
+        kernels.turn_cells(along_u, along_v, *self.cells, facet)
 
 
 @lru_cache(maxsize=1024)

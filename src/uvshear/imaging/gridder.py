@@ -1,4 +1,4 @@
-"""Fourier transforms between visibilities and images: the only module that imports ducc0 and knows its signs.
+"""Fourier transforms between visibilities and images: the only module that knows the signs of ducc0's gridder.
 
 Everywhere else a source at (l, m) has visibilities exp(+2 pi i [u l + v m + w (n - 1)]). The gridder's kernel is
 exp(+2 pi i [u x + v y - w (n - 1)]) in its images, so that the signs of u and v turn it into ours.

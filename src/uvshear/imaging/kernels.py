@@ -31,3 +31,18 @@ def to_tangent_plane(uvw, lmn1, surface, baselines, real, imaginary):  # type: i
         sine, cosine = sine_cosine_of_turns(u * l + v * m + w * n1)
         real[i] = cosine
         imaginary[i] = sine
+
+
+@compiled
+def gather_cells(spectrum, row, column, scale, place, facet):  # type: ignore[no-untyped-def]
+    """Add ``scale`` times the conjugate of some cells of a spectrum to a facet, at the given places."""
+    for k in range(place.size):
+        found = spectrum[row[k], column[k]]
+        facet[place[k]] += complex(scale[k] * found.real, -scale[k] * found.imag)
+
+
+@compiled
+def turn_cells(along_u, along_v, row, column, facet):  # type: ignore[no-untyped-def]
+    """Multiply the cells of a facet by the phases of their row and column."""
+    for k in range(facet.size):
+        facet[k] *= along_u[row[k]] * along_v[column[k]]

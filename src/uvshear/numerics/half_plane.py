@@ -45,4 +45,5 @@ def half_plane(size: int, pixel: float, shortest: float, longest: float) -> Half
     is_first_of_pair = (v[None, :] > 0) | (u[:, None] >= 0)
     i, j = np.nonzero((distance >= shortest) & (distance <= longest) & is_first_of_pair)
     multiplicity = np.where(distance[i, j] == 0, 1.0, 2.0)
-    return HalfPlane((i, j), np.column_stack([u[i], v[j]]), multiplicity)
+    # Kernels take one coordinate of many cells at a time.
+    return HalfPlane((i, j), np.asfortranarray(np.column_stack([u[i], v[j]])), multiplicity)

@@ -13,6 +13,7 @@ from uvshear.geometry.ellipticity import quadratic_form
 from uvshear.imaging.bands import Band
 from uvshear.imaging.tiles import Tile
 from uvshear.numerics.fft_sizes import fast_size
+from uvshear.numerics.real_transforms import image_of
 from uvshear.predict import kernels
 from uvshear.typing import Array, Complex, Float
 
@@ -100,7 +101,7 @@ def draw(stamps: Stamps, tile: Tile, band: Band, profile: Profile) -> Float[Arra
         nearest = round(place[0]), round(place[1])
         offset = (place[0] - nearest[0]) * pixel, (place[1] - nearest[1]) * pixel
         spectrum = transform_on_stamp(form, offset, size, band, profile, stamps.steepness)
-        stamp = fft.fftshift(fft.irfft2(spectrum, s=(size, size), overwrite_x=True))
+        stamp = image_of(spectrum, size)
         i, j = (nearest[axis] - tile.origin[axis] - size // 2 for axis in (0, 1))
         image[i : i + size, j : j + size] += np.float32(flux) * stamp
     return image

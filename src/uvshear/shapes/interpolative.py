@@ -17,7 +17,6 @@ from typing import Self
 
 import numpy as np
 from scipy.linalg import qr, solve_triangular
-from scipy.stats import qmc
 
 from uvshear.execution.once import KeptOnce
 from uvshear.galaxy import Profile
@@ -124,6 +123,8 @@ class TemplateDecomposition:
         largest
             Largest modulus of the ellipticity.
         """
+        from scipy.stats import qmc  # noqa: PLC0415 - takes two tenths of a second
+
         drawn = qmc.Sobol(3, seed=0).random(_TEMPLATES)
         e = largest * np.sqrt(drawn[:, 0]) * np.exp(2j * np.pi * drawn[:, 1])
         size = 2 * np.pi * np.exp(log_sizes[0] + (log_sizes[1] - log_sizes[0]) * drawn[:, 2])

@@ -5,6 +5,8 @@ Sums run in that dtype over blocks of 256 cells, and in float64 over the blocks.
 
 import math
 
+import numpy as np
+
 from uvshear.compilation import compiled
 from uvshear.geometry.kernels import sine_cosine_of_turns, sine_cosine_of_turns_single
 
@@ -148,14 +150,17 @@ def respond(uv, phase, envelope, slope, by_shape, flux, out):  # type: ignore[no
 
     ``slope`` is d(envelope)/dq, and the rows of ``by_shape`` hold the derivatives of the coefficients of q.
     """
+    u, v = uv[:, 0], uv[:, 1]
+    by_flux, by_l, by_m = out[0], out[4], out[5]
+    for row in range(3):
+        a, b, c = flux * by_shape[row, 0], flux * by_shape[row, 1], flux * by_shape[row, 2]
+        own = out[1 + row]
+        for i in range(phase.size):
+            by_q = a * u[i] * u[i] + b * u[i] * v[i] + c * v[i] * v[i]
+            own[i] = np.float32(slope[i] * by_q) * phase[i]
+    scale = 2 * math.pi * flux
     for i in range(phase.size):
-        u, v = uv[i, 0], uv[i, 1]
-        uu, cross, vv = u * u, u * v, v * v
-        out[0, i] = envelope[i] * phase[i]
-        steep = flux * slope[i]
-        for row in range(3):
-            by_q = by_shape[row, 0] * uu + by_shape[row, 1] * cross + by_shape[row, 2] * vv
-            out[1 + row, i] = steep * by_q * phase[i]
-        turned = 2j * math.pi * flux * out[0, i]
-        out[4, i] = u * turned
-        out[5, i] = v * turned
+        by_flux[i] = envelope[i] * phase[i]
+        turned = complex(-by_flux[i].imag, by_flux[i].real)
+        by_l[i] = np.float32(scale * u[i]) * turned
+        by_m[i] = np.float32(scale * v[i]) * turned

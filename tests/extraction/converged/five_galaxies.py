@@ -83,7 +83,8 @@ class FiveGalaxies:
         cutout = self.plan.cutouts[k]
         facet = np.zeros(len(cutout.uv), np.complex64)
         image.subtract_from(facet, k)
-        return facet * cutout.recentring(tuple(self.plan.offset[k]))
+        cutout.recentre(facet, tuple(self.plan.offset[k]))
+        return facet
 
     def gradient(self, facet, k):
         """Return the gradient of a source's log likelihood by its parameters, each in units of its error."""

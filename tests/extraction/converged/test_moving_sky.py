@@ -7,7 +7,8 @@ import pytest
 
 from tests.extraction.converged.major_cycles import GRIDDING
 from tests.extraction.converged.states import touching_pair
-from uvshear.execution import SERIAL, in_threads
+from uvshear.execution import SERIAL, Copies, Threads
+from uvshear.extraction.converged import moving_sky
 from uvshear.extraction.converged.major_cycle import gather_residuals
 from uvshear.extraction.converged.moving_sky import MovingSky
 
@@ -27,7 +28,7 @@ def _true_fits(prepared):
 
 def test_residuals_after_a_move_are_those_of_another_major_cycle(prepared):
     sky, fits = MovingSky(prepared.state), _true_fits(prepared)
-    change = sky.move([0, 1], fits, SERIAL)
+    change = _moved(sky, [0, 1], fits)
     plan = sky.now.interaction.plan
     expected = gather_residuals(
         prepared.observation, plan, prepared.planner.subtracted(fits), GRIDDING
@@ -45,7 +46,7 @@ def test_the_state_that_it_begins_with_stays_as_it_is(prepared):
     facets = [state.facet(k).correlation for k in (0, 1)]
     fits = state.fits
     sky = MovingSky(state)
-    sky.move([1], [_true_fits(prepared)[1]], SERIAL)
+    _moved(sky, [1], [_true_fits(prepared)[1]])
     assert state.fits is fits
     for k in (0, 1):
         np.testing.assert_array_equal(state.facet(k).correlation, facets[k])
@@ -53,10 +54,35 @@ def test_the_state_that_it_begins_with_stays_as_it_is(prepared):
     assert sky.now.fits[1] is not fits[1]
 
 
-def test_executors_change_no_bit(prepared):
+@pytest.mark.parametrize("slots", [1, 128])
+def test_executors_change_no_bit(prepared, monkeypatch, slots):
+    monkeypatch.setattr(moving_sky, "SLOTS", slots)
     facets = []
-    for executor in (SERIAL, in_threads(2)):
+    for executor in (SERIAL, Threads(2), Copies(2)):
         sky = MovingSky(prepared.state)
-        sky.move([0, 1], _true_fits(prepared), executor)
-        facets.append(sky.now.facet(0).correlation)
-    np.testing.assert_array_equal(*facets)
+        change = _moved(sky, [0, 1], _true_fits(prepared), executor)
+        facets.append([sky.now.facet(0).correlation, sky.now.facet(1).correlation])
+        assert np.all(change > 1)
+    for other in facets[1:]:
+        for k in (0, 1):
+            np.testing.assert_array_equal(other[k], facets[0][k])
+
+
+def test_copies_see_the_moves_of_the_sky(prepared):
+    sky, fits = MovingSky(prepared.state), _true_fits(prepared)
+    with Copies(2).crew(sky) as crew:
+        before = list(crew.map(_correlation, [0, 1, 0, 1]))
+        sky.move([0, 1], fits, crew)
+        after = list(crew.map(_correlation, [0, 1, 0, 1]))
+    for k, (old, new) in enumerate(zip(before, after, strict=True)):
+        np.testing.assert_array_equal(new, _correlation(sky, k % 2))
+        assert not np.array_equal(old, new)
+
+
+def _correlation(sky, source):
+    return sky.now.facet(source).correlation
+
+
+def _moved(sky, sources, fits, executor=SERIAL):
+    with executor.crew(sky) as crew:
+        return sky.move(sources, fits, crew)

@@ -18,7 +18,7 @@ def prepared():
 
 def in_turn(sky, active, executor, *, afresh):
     with executor.crew(sky) as crew:
-        return fit_in_turn(sky, active, crew, executor, nothing, afresh=afresh)
+        return fit_in_turn(sky, active, crew, nothing, afresh=afresh)
 
 
 def _error(prepared, sky):

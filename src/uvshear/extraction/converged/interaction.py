@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import fft, sparse
+from scipy import sparse
 from scipy.spatial import cKDTree
 
 from uvshear.extraction.converged.beams import SIZE, Beams, coarse_spectrum, power_of
@@ -23,6 +23,7 @@ from uvshear.imaging.bands import Band
 from uvshear.imaging.cutout import Cutout
 from uvshear.interferometer.facet import BeamPlane
 from uvshear.numerics.half_plane import HalfPlane, half_plane
+from uvshear.numerics.real_transforms import image_of
 from uvshear.predict.rendering import smooth_step, transform_on_stamp
 from uvshear.typing import Array, Complex, Float
 
@@ -110,7 +111,7 @@ class Interaction:
         product = (seen * change.conj()).real
         power = 2 * product.sum(dtype=float) - product[:, [0, -1]].sum(dtype=float)
         distance = math.sqrt(max(float(power), 0.0)) / WINDOW
-        return distance, fft.fftshift(fft.irfft2(seen, s=(WINDOW, WINDOW), overwrite_x=True))
+        return distance, image_of(seen, WINDOW)
 
     def own_power(self, source: int) -> Float[Array, " cell"]:
         """Power of the beam with which the image holds a source's own change, on the cells of its facet."""
@@ -143,7 +144,7 @@ class Interaction:
     def _own_power(self, beam: int, cutout: Cutout) -> Float[Array, " cell"]:
         taper = smooth_step(np.hypot(*cutout.uv.T), self._band.longest, 0.5 / self._band.pixel)
         own = np.zeros(len(taper), np.float32)
-        resolved = cutout.coarse_cells[0]
+        resolved = cutout.resolved_cells
         own[resolved] = (taper * power_of(self._ending(beam), cutout))[resolved]
         return own
 

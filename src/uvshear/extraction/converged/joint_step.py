@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, cg
 
-from uvshear.execution import Executor
 from uvshear.extraction.converged.couplings import Couplings, couple
 from uvshear.extraction.converged.moving_sky import MovingSky, SkyCrew
 from uvshear.extraction.converged.sky_state import Linearisation, SkyState
@@ -45,7 +44,6 @@ def step_jointly(
     couplings: Couplings | None,
     tolerance: float,
     crew: SkyCrew,
-    executor: Executor,
 ) -> tuple[Float[Array, " source"], Linearisation]:
     """Let all sources but those in groups take one Gauss-Newton step together.
 
@@ -68,8 +66,7 @@ def step_jointly(
     length = np.array([_step_length(now, equations[k], k, new) for k, new in enumerate(after)])
     movers = np.flatnonzero(length > SMALLEST_STEP * tolerance).tolist()
     moved = [after[k] for k in movers]
-    sky.move(movers, moved, executor)
-    crew.tell(MovingSky.adopt, movers, moved)
+    sky.move(movers, moved, crew)
     return length, Linearisation(equations, couplings)
 
 

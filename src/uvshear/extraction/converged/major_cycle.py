@@ -137,10 +137,10 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
     def total(self) -> Facets:
         """Return the facets, centred on their sources."""
         plan = self._plan
-        return tuple(
-            facet * cutout.recentring(tuple(offset))
-            for facet, cutout, offset in zip(self._facets, plan.cutouts, plan.offset, strict=True)
-        )
+        facets = tuple(facet.copy() for facet in self._facets)
+        for facet, cutout, offset in zip(facets, plan.cutouts, plan.offset, strict=True):
+            cutout.recentre(facet, tuple(offset))
+        return facets
 
     def add_block(self, samples: Samples) -> None:
         """Subtract the models, image the residual and cut out the facets, from the coarsest band to the finest."""

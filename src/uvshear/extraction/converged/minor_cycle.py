@@ -58,9 +58,9 @@ def run_minor_cycle(
         active = np.ones(len(state.sources), bool)
         for number in range(MOST_ITERATIONS):
             is_afresh = afresh and number == 0
-            in_turn = fit_in_turn(sky, active, crew, executor, on_fit, afresh=is_afresh)
+            in_turn = fit_in_turn(sky, active, crew, on_fit, afresh=is_afresh)
             couplings = None if linearisation is None else linearisation.couplings
-            together, linearisation = step_jointly(sky, couplings, tolerance, crew, executor)
+            together, linearisation = step_jointly(sky, couplings, tolerance, crew)
             moves.append((float(in_turn.max()), float(together.max())))
             enough = enough or max(CONVERGED * rms(in_turn), CONVERGED_ENOUGH * tolerance)
             # Sources that overlap are fitted together from the second pass on.

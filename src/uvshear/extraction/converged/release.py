@@ -47,7 +47,8 @@ def release(
         for source, then, fit in zip(now.sources, before, now.fits, strict=True)
     ]
     sky = MovingSky(now)
-    sky.move(list(range(len(ahead))), ahead, executor)
+    with executor.crew(sky) as crew:
+        sky.move(list(range(len(ahead))), ahead, crew)
     return sky.now, tuple(moves)
 
 

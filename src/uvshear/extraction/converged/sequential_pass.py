@@ -8,7 +8,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from uvshear.execution import Executor
 from uvshear.extraction.converged.moving_sky import MovingSky, SkyCrew
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.shapes.blend import Member, fit_group
@@ -23,7 +22,6 @@ def fit_in_turn(
     sky: MovingSky,
     active: Bool[Array, " source"],
     crew: SkyCrew,
-    executor: Executor,
     on_fit: OnFit,
     *,
     afresh: bool,
@@ -45,8 +43,7 @@ def fit_in_turn(
             after += fits
             on_fit()
         members = [source for unit in level for source in unit]
-        change[members] = sky.move(members, after, executor)
-        crew.tell(MovingSky.adopt, members, after)
+        change[members] = sky.move(members, after, crew)
         for unit in level:
             if len(unit) > 1:
                 change[unit] = sky.now.change_of_unit(unit, before.fits)

@@ -132,7 +132,7 @@ class SkyState:
         power = self.interaction.beams.power(source, cutout)
         correlation = np.zeros(len(power), np.complex64)
         self.image.subtract_from(correlation, source)
-        correlation *= cutout.recentring(tuple(self.interaction.plan.offset[source]))
+        cutout.recentre(correlation, tuple(self.interaction.plan.offset[source]))
         correlation += self.facets[source]
         # The image of changes has taken the source's own change away, too.
         correlation += own * self.sources[source].model(self.fits[source], cutout.uv)

@@ -1,0 +1,20 @@
+"""Transforms of real images against numpy."""
+
+import numpy as np
+import pytest
+
+from uvshear.numerics.real_transforms import half_spectrum, image_of
+
+
+@pytest.mark.parametrize("size", [32, 90, 352])
+@pytest.mark.parametrize(("dtype", "allowed"), [(np.float32, 2e-6), (np.float64, 1e-14)])
+def test_transforms_are_those_of_numpy(size, dtype, allowed):
+    image = np.random.default_rng(size).normal(size=(size, size)).astype(dtype)
+    kept = image.copy()
+    spectrum = half_spectrum(image)
+    expected = np.fft.rfft2(image.astype(float))
+    assert spectrum.dtype == np.result_type(dtype, np.complex64)
+    np.testing.assert_allclose(spectrum, expected, rtol=0, atol=allowed * size)
+    back = image_of(spectrum, size)
+    np.testing.assert_allclose(np.fft.ifftshift(back), image, rtol=0, atol=10 * allowed)
+    np.testing.assert_array_equal(image, kept)
