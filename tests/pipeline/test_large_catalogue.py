@@ -40,7 +40,11 @@ def test_its_shapes_are_those_of_the_sources_in_the_field_alone(field, large):
     shapes = measure(field.observation, catalogue, model=MODEL, method=METHOD).shapes
     assert len(shapes) == ROWS
     for name in alone.colnames:
-        np.testing.assert_array_equal(shapes[name][place], alone[name], err_msg=name)
+        if alone[name].dtype.kind == "f":
+            # numpy multiplies the last elements of an array in another way than those before.
+            np.testing.assert_allclose(shapes[name][place], alone[name], rtol=1e-14, err_msg=name)
+        else:
+            np.testing.assert_array_equal(shapes[name][place], alone[name], err_msg=name)
     others = np.delete(np.arange(ROWS), place)
     assert set(shapes["flag"][others]) <= {"outside_field", "below_horizon"}
     assert np.isnan(shapes["e1"][others]).all()

@@ -67,3 +67,14 @@ def test_fluxes_are_those_of_a_truncated_normal(significance):
         assert variance[0, 0] == pytest.approx(reference.var(), rel=1e-4)
     else:  # an exponential
         assert mean[0, 0] == pytest.approx(-1 / significance, rel=1e-3)
+
+
+def test_a_likely_position_between_the_points_of_the_lattice_is_a_node():
+    """The best fit, where the lattice has a point, is none of the likely positions of a fit that found no peak."""
+    facet, _ = noise_free(0.2 + 0.1j, snr=9.0)
+    correlator = Correlator(facet, EXPONENTIAL)
+    maximise_likelihood(correlator, WIDE)
+    alone = PosteriorModes(np.array([[0.7, 0.0]]), 0.05, 1.0, *(x[:1] for x in SHAPES))
+    marginal = PositionQuadrature.from_modes(correlator, alone).marginalise(*SHAPES)
+    assert np.isfinite(marginal.log_likelihood).all()
+    np.testing.assert_allclose(marginal.offset, np.tile([0.7, 0.0], (3, 1)))

@@ -25,6 +25,13 @@ from uvshear.execution.crew import Crew, Result, Shared, Task
 AHEAD: Final = 8
 """Number of tasks for each copy that are begun before the result of the first of them is taken, at most."""
 
+QUEUED: Final = 2
+"""Number of tasks that a copy has at the same time, so that it need not wait for this process between two of them."""
+
+SMALL: Final = 2**15
+"""Size of a task that a copy may have besides another [bytes]. A larger one would not fit into the buffer of its
+channel: copy and parent would wait for each other for ever if a result was as large."""
+
 _LENGTH: Final = struct.Struct("=q")
 
 _copies: set[int] = set()
@@ -103,38 +110,45 @@ class CopiedCrew(Crew[Shared]):
     def _results(
         self, function: Callable[..., Any], waiting: Iterator[tuple[int, Any]]
     ) -> Iterator[Any]:
-        idle = deque(self._copies)
-        busy: dict[int, tuple[_Copy, int]] = {}
         # Unlike select, it takes file descriptors above 1023.
         answers = select.poll()
+        copies = {copy.channel.fileno(): copy for copy in self._copies}
+        begun: dict[int, deque[int]] = {descriptor: deque() for descriptor in copies}
         known: dict[int, tuple[bool, Any]] = {}
-        wanted, is_all = 0, False
+        wanted, in_hand = 0, deque[tuple[int, Any]]()
         while True:
-            while idle and not is_all and len(known) + len(busy) < AHEAD * self._workers:
-                task = next(waiting, None)
-                if task is None:
-                    is_all = True
+            unfinished = len(known) + sum(map(len, begun.values()))
+            in_hand.extend(islice(waiting, AHEAD * self._workers - unfinished - len(in_hand)))
+            if not (unfinished or in_hand):
+                return
+            while in_hand:
+                descriptor = min(begun, key=lambda each: len(begun[each]))
+                # The last tasks wait for the copy that is free first.
+                if len(begun[descriptor]) >= (QUEUED if len(in_hand) > self._workers else 1):
                     break
-                copy = idle.popleft()
-                _send(copy.channel, (copy.news, function, task[1]))
+                number, task = in_hand[0]
+                copy = copies[descriptor]
+                packed = _packed((copy.news, function, task))
+                if begun[descriptor] and len(packed) > SMALL:
+                    break
+                in_hand.popleft()
+                _send(copy.channel, packed)
                 copy.news = []
-                busy[copy.channel.fileno()] = copy, task[0]
-                answers.register(copy.channel, select.POLLIN)
+                if not begun[descriptor]:
+                    answers.register(descriptor, select.POLLIN)
+                begun[descriptor].append(number)
             while wanted in known:
                 is_error, found = known.pop(wanted)
                 if is_error:
                     raise found
                 yield found
                 wanted += 1
-            if not busy:
-                if is_all:
-                    return
+            if not any(begun.values()):
                 continue
             for descriptor, _ in answers.poll():
-                answers.unregister(descriptor)
-                copy, number = busy.pop(descriptor)
-                known[number] = _received(copy.channel)
-                idle.append(copy)
+                known[begun[descriptor].popleft()] = _received(copies[descriptor].channel)
+                if not begun[descriptor]:
+                    answers.unregister(descriptor)
 
 
 def end_copies() -> None:
@@ -167,14 +181,17 @@ def _serve(shared: Any, channel: socket.socket) -> NoReturn:
                 answer = False, function(shared, task)
             except Exception as error:
                 answer = True, error
-            _send(channel, answer)
+            _send(channel, _packed(answer))
         status = 0
     finally:
         os._exit(status)
 
 
-def _send(channel: socket.socket, content: Any) -> None:
-    packed = pickle.dumps(content, pickle.HIGHEST_PROTOCOL)
+def _packed(content: Any) -> bytes:
+    return pickle.dumps(content, pickle.HIGHEST_PROTOCOL)
+
+
+def _send(channel: socket.socket, packed: bytes) -> None:
     try:
         channel.sendall(_LENGTH.pack(len(packed)) + packed)
     except OSError as error:

@@ -92,6 +92,9 @@ class PositionQuadrature:
         lattice = hexagonal_lattice(furthest, 1.5 * modes.sigma)
         distance, _ = KDTree(modes.positions).query(lattice, distance_upper_bound=reach)
         nodes = lattice[np.isfinite(distance)]
+        if len(nodes) == 0:
+            # The few likely positions of a fit that has not found the peak may lie between all points of the lattice.
+            nodes = modes.positions
         return cls(correlator, nodes, np.zeros(len(nodes)))
 
     def marginalise(

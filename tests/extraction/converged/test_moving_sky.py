@@ -10,7 +10,7 @@ from tests.extraction.converged.states import touching_pair
 from uvshear.execution import SERIAL, Copies, Threads
 from uvshear.extraction.converged import moving_sky
 from uvshear.extraction.converged.major_cycle import gather_residuals
-from uvshear.extraction.converged.moving_sky import MovingSky
+from uvshear.extraction.converged.moving_sky import Given, Move, MovingSky
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,28 @@ def test_the_state_that_it_begins_with_stays_as_it_is(prepared):
     assert sky.now.fits[1] is not fits[1]
 
 
-@pytest.mark.parametrize("slots", [1, 128])
+def test_moves_do_not_see_one_another_unless_there_are_more_than_slots(prepared, monkeypatch):
+    seen = []
+
+    def move(source):
+        def find(now):
+            seen.append(now.facet(source).correlation)
+            return [_true_fits(prepared)[source]]
+
+        return Move([source], find)
+
+    for slots in (1, 2):
+        monkeypatch.setattr(moving_sky, "SLOTS", slots)
+        sky = MovingSky(prepared.state)
+        with SERIAL.crew(sky) as crew:
+            sky.move([move(0), move(1)], crew)
+    first, after_the_first, _, beside_the_first = seen
+    np.testing.assert_array_equal(first, prepared.state.facet(0).correlation)
+    assert not np.array_equal(after_the_first, beside_the_first)
+    np.testing.assert_array_equal(beside_the_first, prepared.state.facet(1).correlation)
+
+
+@pytest.mark.parametrize("slots", [1, 512])
 def test_executors_change_no_bit(prepared, monkeypatch, slots):
     monkeypatch.setattr(moving_sky, "SLOTS", slots)
     facets = []
@@ -72,7 +93,7 @@ def test_copies_see_the_moves_of_the_sky(prepared):
     sky, fits = MovingSky(prepared.state), _true_fits(prepared)
     with Copies(2).crew(sky) as crew:
         before = list(crew.map(_correlation, [0, 1, 0, 1]))
-        sky.move([0, 1], fits, crew)
+        sky.move([Move([k], Given(fit)) for k, fit in enumerate(fits)], crew)
         after = list(crew.map(_correlation, [0, 1, 0, 1]))
     for k, (old, new) in enumerate(zip(before, after, strict=True)):
         np.testing.assert_array_equal(new, _correlation(sky, k % 2))
@@ -84,5 +105,6 @@ def _correlation(sky, source):
 
 
 def _moved(sky, sources, fits, executor=SERIAL):
+    moves = [Move([k], Given(fit)) for k, fit in zip(sources, fits, strict=True)]
     with executor.crew(sky) as crew:
-        return sky.move(sources, fits, crew)
+        return sky.move(moves, crew)

@@ -10,6 +10,7 @@ their beams: one beam is accumulated for each of these few, and the beam of a so
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -101,13 +102,12 @@ class Beams:
 
     def power(self, source: int, cutout: Cutout) -> Float[Array, " cell"]:
         """Power of a facet's cells; sources of one size share the powers that are mixed."""
+        return self.mixtures[source].mixed(partial(self._power_of_beam, cutout))
 
-        def of_beam(beam: int) -> Float[Array, " cell"]:
-            if (beam, cutout) not in self._powers:
-                self._powers[beam, cutout] = power_of(self.images[beam], cutout)
-            return self._powers[beam, cutout]
-
-        return self.mixtures[source].mixed(of_beam)
+    def _power_of_beam(self, cutout: Cutout, beam: int) -> Float[Array, " cell"]:
+        if (beam, cutout) not in self._powers:
+            self._powers[beam, cutout] = power_of(self.images[beam], cutout)
+        return self._powers[beam, cutout]
 
     def plateau(self, apart: Float[Array, "pair 2"]) -> Float[Array, " pair"]:
         """Beam of the short baselines at distances along l and m [rad]; 0 beyond its image."""

@@ -10,6 +10,7 @@ not be positive. The next major cycle is exact everywhere.
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy import sparse
@@ -115,13 +116,7 @@ class Interaction:
 
     def own_power(self, source: int) -> Float[Array, " cell"]:
         """Power of the beam with which the image holds a source's own change, on the cells of its facet."""
-        cutout = self._plan.cutouts[source]
-
-        def of_beam(beam: int) -> Float[Array, " cell"]:
-            if (beam, cutout) not in self._own:
-                self._own[beam, cutout] = self._own_power(beam, cutout)
-            return self._own[beam, cutout]
-
+        of_beam = partial(self._own_power, self._plan.cutouts[source])
         return self._beams.mixtures[source].mixed(of_beam)
 
     def plane_around(self, source: int) -> BeamPlane:
@@ -139,9 +134,14 @@ class Interaction:
     def work_out_planes(self) -> None:
         """Compute what :meth:`short_plane_around` needs once, before several workers ask for it."""
         for beam in range(len(self._beams.images)):
-            self._plane_power(beam, self._band.longest / 2)
+            self._plane_power(self._band.longest / 2, beam)
 
-    def _own_power(self, beam: int, cutout: Cutout) -> Float[Array, " cell"]:
+    def _own_power(self, cutout: Cutout, beam: int) -> Float[Array, " cell"]:
+        if (beam, cutout) not in self._own:
+            self._own[beam, cutout] = self._found_own_power(beam, cutout)
+        return self._own[beam, cutout]
+
+    def _found_own_power(self, beam: int, cutout: Cutout) -> Float[Array, " cell"]:
         taper = smooth_step(np.hypot(*cutout.uv.T), self._band.longest, 0.5 / self._band.pixel)
         own = np.zeros(len(taper), np.float32)
         resolved = cutout.resolved_cells
@@ -152,12 +152,10 @@ class Interaction:
         return self._beams.ending(beam, 2 * START, 2 * END)
 
     def _plane(self, source: int, longest: float) -> BeamPlane:
-        def of_beam(beam: int) -> Float[Array, " cell"]:
-            return self._plane_power(beam, longest)
-
+        of_beam = partial(self._plane_power, longest)
         return BeamPlane(self._cells(longest).uv, self._beams.mixtures[source].mixed(of_beam))
 
-    def _plane_power(self, beam: int, longest: float) -> Float[Array, " cell"]:
+    def _plane_power(self, longest: float, beam: int) -> Float[Array, " cell"]:
         if (beam, longest) not in self._planes:
             cells = self._cells(longest)
             multiplicity = (cells.multiplicity / WINDOW**2).astype(np.float32)

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, cg
 
 from uvshear.extraction.converged.couplings import Couplings, couple
-from uvshear.extraction.converged.moving_sky import MovingSky, SkyCrew
+from uvshear.extraction.converged.moving_sky import Given, Move, MovingSky, SkyCrew
 from uvshear.extraction.converged.sky_state import Linearisation, SkyState
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.normal_equations import NormalEquations, normal_equations
@@ -65,8 +65,7 @@ def step_jointly(
     ]
     length = np.array([_step_length(now, equations[k], k, new) for k, new in enumerate(after)])
     movers = np.flatnonzero(length > SMALLEST_STEP * tolerance).tolist()
-    moved = [after[k] for k in movers]
-    sky.move(movers, moved, crew)
+    sky.move([Move([k], Given(after[k])) for k in movers], crew)
     return length, Linearisation(equations, couplings)
 
 

@@ -1,7 +1,8 @@
 """A sky whose sources move: the only mutable state of a minor cycle."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import TypeAlias
 
 import numpy as np
@@ -13,8 +14,31 @@ from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Float
 
-SLOTS = 128
-"""Number of changes that are rendered before the image takes them: more than there are workers, and 63 MB at most."""
+SLOTS = 512
+"""Number of changes that are rendered before the image takes them, which take 250 MB at most. It does not depend on the
+workers, so that every fit sees the same image whatever their number."""
+
+Find: TypeAlias = "Callable[[SkyState], list[GalaxyFit]]"
+"""Finds new fits of some sources; it is picklable."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """Sources that are to move, and how their new fits are found."""
+
+    sources: Sequence[int]
+    find: Find
+
+
+@dataclass(frozen=True)
+class Given:
+    """Fit that is known."""
+
+    fit: GalaxyFit
+
+    def __call__(self, now: SkyState) -> list[GalaxyFit]:
+        """Return the fit."""
+        return [self.fit]
 
 
 class MovingSky:
@@ -37,26 +61,34 @@ class MovingSky:
         return self._now
 
     def move(
-        self, sources: list[int], fits: Sequence[GalaxyFit], crew: "SkyCrew"
-    ) -> Float[Array, " moved"]:
-        """Replace sources by their fits, and return the change of each in units of the noise.
+        self, moves: Sequence[Move], crew: "SkyCrew", on_move: Callable[[], None] | None = None
+    ) -> Float[Array, " source"]:
+        """Let sources move; return the change of each source in units of the noise.
 
-        The crew, whose sky this is, renders the changes and is told the fits.
+        Moves do not see one another, unless there are more of them than slots.
+
+        The crew, whose sky this is, finds the fits, renders the changes, and is told the fits in the end. ``on_move``
+        is called after each move.
         """
+        after = dict[int, GalaxyFit]()
+        change = np.zeros(len(self._now.fits))
+        for batch in _batches(moves):
+            tasks, slots = [], iter(range(SLOTS))
+            for move in batch:
+                tasks.append((move, tuple(islice(slots, len(move.sources)))))
+            for (move, _), found in zip(tasks, crew.map(_moved, tasks), strict=True):
+                for source, (fit, distance) in zip(move.sources, found, strict=True):
+                    after[source], change[source] = fit, distance
+                if on_move is not None:
+                    on_move()
+            for move, taken in tasks:
+                for source, slot in zip(move.sources, taken, strict=True):
+                    self._now.image.add(source, self._rendered[slot])
+        self.adopt(after)
         now = self._now
-        after = list(now.fits)
-        change = np.zeros(len(sources))
-        pairs = list(zip(sources, fits, strict=True))
-        for first in range(0, len(pairs), SLOTS):
-            tasks = [(slot, *pair) for slot, pair in enumerate(pairs[first : first + SLOTS])]
-            for (slot, source, fit), distance in zip(tasks, crew.map(_render, tasks), strict=True):
-                now.image.add(source, self._rendered[slot])
-                after[source] = fit
-                change[first + slot] = distance
-        changes = [new.flux - old.flux for new, old in zip(after, now.subtracted, strict=True)]
+        changes = [new.flux - old.flux for new, old in zip(now.fits, now.subtracted, strict=True)]
         now.image.set_flux_changes(np.array(changes))
-        self._now = replace(now, fits=tuple(after))
-        crew.tell(MovingSky.adopt, sources, list(fits))
+        crew.tell(MovingSky.adopt, after)
         return change
 
     def render(self, slot: int, source: int, fit: GalaxyFit) -> float:
@@ -66,10 +98,10 @@ class MovingSky:
         distance, self._rendered[slot] = now.interaction.render(source, before, after)
         return distance
 
-    def adopt(self, sources: list[int], fits: Sequence[GalaxyFit]) -> None:
-        """Replace sources by their fits in a copy of this sky, which sees the image of the changes itself."""
+    def adopt(self, fits: Mapping[int, GalaxyFit]) -> None:
+        """Replace sources by their fits. The image of the changes, which copies of this sky see, stays as it is."""
         after = list(self._now.fits)
-        for source, fit in zip(sources, fits, strict=True):
+        for source, fit in fits.items():
             after[source] = fit
         self._now = replace(self._now, fits=tuple(after))
 
@@ -78,5 +110,23 @@ SkyCrew: TypeAlias = Crew[MovingSky]
 """Workers that fit the sources of a sky."""
 
 
-def _render(sky: MovingSky, task: tuple[int, int, GalaxyFit]) -> float:
-    return sky.render(*task)
+def _moved(sky: MovingSky, task: tuple[Move, tuple[int, ...]]) -> list[tuple[GalaxyFit, float]]:
+    move, slots = task
+    fits = move.find(sky.now)
+    return [
+        (fit, sky.render(slot, source, fit))
+        for slot, source, fit in zip(slots, move.sources, fits, strict=True)
+    ]
+
+
+def _batches(moves: Sequence[Move]) -> Iterator[list[Move]]:
+    """Divide moves into lists whose sources have slots."""
+    batch: list[Move] = []
+    held = 0
+    for move in moves:
+        if held + len(move.sources) > SLOTS:
+            yield batch
+            batch, held = [], 0
+        batch.append(move)
+        held += len(move.sources)
+    yield batch

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from uvshear.execution import Executor
 from uvshear.extraction.converged.minor_cycle import rms, run_minor_cycle
-from uvshear.extraction.converged.moving_sky import MovingSky
+from uvshear.extraction.converged.moving_sky import Given, Move, MovingSky
 from uvshear.extraction.converged.sequential_pass import OnFit
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.extraction.converged.sources import ModelledSource
@@ -48,7 +48,7 @@ def release(
     ]
     sky = MovingSky(now)
     with executor.crew(sky) as crew:
-        sky.move(list(range(len(ahead))), ahead, crew)
+        sky.move([Move([k], Given(fit)) for k, fit in enumerate(ahead)], crew)
     return sky.now, tuple(moves)
 
 

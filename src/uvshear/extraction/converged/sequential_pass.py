@@ -5,10 +5,11 @@ neighbours since then. Updating all sources at once would diverge; in turn the j
 """
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
-from uvshear.extraction.converged.moving_sky import MovingSky, SkyCrew
+from uvshear.extraction.converged.moving_sky import Move, MovingSky, SkyCrew
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.shapes.blend import Member, fit_group
 from uvshear.shapes.measurement import GalaxyFit
@@ -36,26 +37,13 @@ def fit_in_turn(
     units = [unit for unit in everything if active[unit].any()]
     change = np.zeros(len(active))
     for level in neighbourhood.levels(units):
-        before = sky.now
-
-        after: list[GalaxyFit] = []
-        for fits in crew.map(_fit_afresh if afresh else _fit_again, level):
-            after += fits
-            on_fit()
-        members = [source for unit in level for source in unit]
-        change[members] = sky.move(members, after, crew)
+        before = sky.now.fits
+        moves = [Move(unit, partial(_fit_unit, unit=unit, afresh=afresh)) for unit in level]
+        change += sky.move(moves, crew, on_fit)
         for unit in level:
             if len(unit) > 1:
-                change[unit] = sky.now.change_of_unit(unit, before.fits)
+                change[unit] = sky.now.change_of_unit(unit, before)
     return change
-
-
-def _fit_afresh(sky: MovingSky, unit: list[int]) -> list[GalaxyFit]:
-    return _fit_unit(sky.now, unit, afresh=True)
-
-
-def _fit_again(sky: MovingSky, unit: list[int]) -> list[GalaxyFit]:
-    return _fit_unit(sky.now, unit, afresh=False)
 
 
 def _fit_unit(now: SkyState, unit: list[int], *, afresh: bool) -> list[GalaxyFit]:
