@@ -1,8 +1,15 @@
 import numpy as np
 import pytest
 
-from uvshear.imaging.interpolation import refined
+from uvshear.imaging.interpolation import add_refined
 from uvshear.imaging.tiles import TAPS
+
+
+def refined(coarse, shift, size):
+    """Interpolate onto a square that is not empty."""
+    fine = np.full((size, size), 2.0, np.float32)
+    add_refined(fine, coarse, shift)
+    return fine - 2.0
 
 
 def _waves(x, y, highest, seed=3, number=40):
@@ -33,7 +40,7 @@ def test_an_image_that_oversamples_is_the_same_waves_on_finer_pixels(oversamplin
 def test_pixels_that_both_have_keep_their_values():
     image = np.random.default_rng(1).normal(size=(40, 40)).astype(np.float32)
     got = refined(image, (20, 22), 30)
-    np.testing.assert_allclose(got[::2, ::2], image[10:25, 11:26], rtol=0, atol=1e-6)
+    np.testing.assert_allclose(got[::2, ::2], image[10:25, 11:26], rtol=0, atol=2e-6)
 
 
 @pytest.mark.parametrize("shift", [(2 * TAPS - 3, 20), (20, 60)])

@@ -70,8 +70,9 @@ class Cutout:
         """
         paired = square.copy()
         paired[0, :] = paired[:, 0] = 0
-        spectrum = half_spectrum(paired)
-        return spectrum[self.cells].conj() * self._scale
+        facet = np.zeros(len(self._scale), np.result_type(square.dtype, np.complex64))
+        kernels.add_cells(half_spectrum(paired), *self.cells, self._scale, facet)
+        return facet
 
     @cached_property
     def resolved_cells(self) -> Int[Array, " low"]:

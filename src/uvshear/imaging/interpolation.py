@@ -1,11 +1,8 @@
 """Interpolation from coarse pixels to pixels half as wide."""
 
-import math
-from functools import lru_cache
-
 import numpy as np
-from scipy import sparse
 
+from uvshear.imaging import kernels
 from uvshear.imaging.tiles import TAPS
 from uvshear.typing import Array, Float
 
@@ -13,39 +10,38 @@ _KAISER = 9.0
 """Shape parameter of the window. With 16 taps, its error is 2e-5 for images that oversample 1.6 times."""
 
 
-def refined(
-    coarse: Float[Array, "l m"], shift: tuple[int, int], size: int
-) -> Float[Array, "fine_l fine_m"]:
-    """Interpolate a square of fine pixels by a windowed sinc.
+def _half_way() -> Float[Array, " tap"]:
+    """Weights of the coarse pixels around a point half-way between two of them: a windowed sinc."""
+    distance = np.arange(2 * TAPS) - TAPS + 0.5
+    window = np.i0(_KAISER * np.sqrt(1 - (distance / TAPS) ** 2)) / np.i0(_KAISER)
+    return (np.sinc(distance) * window).astype(np.float32)
+
+
+_WEIGHTS = _half_way()
+
+
+def add_refined(
+    fine: Float[Array, "fine_l fine_m"], coarse: Float[Array, "l m"], shift: tuple[int, int]
+) -> None:
+    """Add an image on coarse pixels to a square of fine ones, of which every second lies on a coarse pixel.
 
     Parameters
     ----------
+    fine
+        Square that is added to.
     coarse
         Image that reaches at least ``TAPS`` coarse pixels beyond the square on every side.
     shift
         Position of fine pixel 0 relative to coarse pixel 0 [fine pixels].
-    size
-        Number of fine pixels along a side.
+
+    Raises
+    ------
+    ValueError
+        The coarse image does not reach far enough.
     """
-    along_l = _matrix(len(coarse), shift[0], size)
-    along_m = _matrix(len(coarse), shift[1], size)
-    half = along_l @ coarse
-    return np.ascontiguousarray((along_m @ np.ascontiguousarray(half.T)).T)
-
-
-@lru_cache(maxsize=64)
-def _matrix(coarse: int, shift: int, fine: int) -> sparse.csr_matrix:
-    place = (shift + np.arange(fine)) / 2
-    first = np.floor(place).astype(int) - TAPS + 1
-    taps = first[:, None] + np.arange(2 * TAPS)
-    distance = place[:, None] - taps
-    window = np.i0(_KAISER * np.sqrt(np.maximum(1 - (distance / TAPS) ** 2, 0))) / np.i0(_KAISER)
-    values = (np.sinc(distance) * window).astype(np.float32)
-    rows = np.repeat(np.arange(fine), 2 * TAPS)
-    inside = (taps >= 0) & (taps < coarse) & (values != 0)
-    if not math.isclose(float(inside.sum()), float((values != 0).sum())):
+    size = len(fine)
+    low, high = min(shift) // 2 - TAPS + 1, (max(shift) + size - 1) // 2 + TAPS
+    if low < 0 or high >= len(coarse):
         raise ValueError("the coarse image does not cover the fine image and its margin")
-    kept = inside.ravel()
-    return sparse.csr_matrix(
-        (values.ravel()[kept], (rows[kept], taps.ravel()[kept])), shape=(fine, coarse)
-    )
+    row = np.empty(size // 2 + 2 * TAPS + 1, np.float32)
+    kernels.refine(coarse, *shift, _WEIGHTS, row, np.empty(size // 2 + 1, np.float32), fine)

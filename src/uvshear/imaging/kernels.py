@@ -46,3 +46,47 @@ def turn_cells(along_u, along_v, row, column, facet):  # type: ignore[no-untyped
     """Multiply the cells of a facet by the phases of their row and column."""
     for k in range(facet.size):
         facet[k] *= along_u[row[k]] * along_v[column[k]]
+
+
+@compiled
+def refine(coarse, shift_l, shift_m, weights, row, between, fine):  # type: ignore[no-untyped-def]
+    """Add a coarse image to a finer one; ``interpolation`` describes the arguments.
+
+    ``weights`` are those of a point half-way between two coarse pixels. ``row`` and ``between`` are work space, for the
+    coarse pixels of a row and for the points half-way between them.
+    """
+    taps, size = weights.size // 2, fine.shape[1]
+    first = shift_m // 2 - taps + 1
+    count = (shift_m + size - 1) // 2 + taps - first + 1
+    even, odd = shift_m % 2, 1 - shift_m % 2
+    many = (size - odd + 1) // 2
+    start = (shift_m + odd - 1) // 2 - taps + 1 - first
+    for x in range(fine.shape[0]):
+        middle, is_between = (shift_l + x) // 2, (shift_l + x) % 2
+        if is_between:
+            row[:count] = 0
+            for k in range(2 * taps):
+                weight, source = weights[k], coarse[middle - taps + 1 + k, first : first + count]
+                for i in range(count):
+                    row[i] += weight * source[i]
+        else:
+            row[:count] = coarse[middle, first : first + count]
+        between[:many] = 0
+        for k in range(2 * taps):
+            weight, source = weights[k], row[start + k : start + k + many]
+            for i in range(many):
+                between[i] += weight * source[i]
+        into = fine[x]
+        at = (shift_m + even) // 2 - first
+        for i in range((size - even + 1) // 2):
+            into[even + 2 * i] += row[at + i]
+        for i in range(many):
+            into[odd + 2 * i] += between[i]
+
+
+@compiled
+def add_cells(spectrum, row, column, scale, facet):  # type: ignore[no-untyped-def]
+    """Add ``scale`` times the conjugate of some cells of a spectrum to a facet of these cells."""
+    for k in range(facet.size):
+        found = spectrum[row[k], column[k]]
+        facet[k] += complex(scale[k] * found.real, -scale[k] * found.imag)

@@ -23,11 +23,13 @@ SLAB = 2**21
 """Number of samples that one call of the gridder takes; it depends on the data alone, so that sums do not depend on the
 executor."""
 
-BLOCK = 2**22
-"""Number of samples that are imaged before facets are cut out. It depends neither on the memory nor on the executor:
-the gridder is right to 1e-4, and other blocks would have other errors, which moves shapes by 5e-5 of their errors and a
-response of metacalibration by 0.01 of itself. For 1120 galaxies in 20 arcmin a major cycle over many samples takes 1.4
-times as long as with one block for all of them, 1.9 times with blocks of 2^21, and 6 times with 2^18."""
+BLOCK = 2**23
+"""Number of samples that are imaged before facets are cut out: those of the square degree of the paper are one block,
+and take 1.3 GB at most. All galaxies are drawn, and all images transformed, once for each block. The number depends
+neither on the memory nor on the executor: the gridder is right to 1e-4, and other blocks would have other errors, which
+moves shapes by 5e-5 of their errors and a response of metacalibration by 0.01 of itself. For 1120 galaxies in 20 arcmin
+a major cycle over many samples takes 1.4 times as long with blocks of 2^22 as with one block for all of them, 1.9 times
+with 2^21, and 6 times with 2^18."""
 
 BYTES_PER_SAMPLE = 160
 """Memory for each sample of a block: the sample in the blocks of two accumulators, and its model."""

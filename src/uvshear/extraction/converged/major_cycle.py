@@ -18,7 +18,7 @@ from uvshear.extraction.converged.plan import MajorCyclePlan
 from uvshear.extraction.converged.tile_filters import TileFilters, filters_of_plan
 from uvshear.extraction.converged.tile_sizes import work_of
 from uvshear.imaging.bands import Band
-from uvshear.imaging.interpolation import refined
+from uvshear.imaging.interpolation import add_refined
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.imaging.tiles import Tile
 from uvshear.interferometer.accumulate import accumulate
@@ -244,7 +244,7 @@ def _add_coarser(
     shift = i - 2 * k, j - 2 * l
     for source, image in zip(matched.chosen.tolist(), images, strict=True):
         mixed = matched_above.mixed(coarser, source)
-        np.add(image, refined(mixed, shift, tile.size), out=image)
+        add_refined(image, mixed, shift)
 
 
 def _cut(
