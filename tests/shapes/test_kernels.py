@@ -41,6 +41,16 @@ def test_a_displacement_brings_what_stood_at_the_shift_to_the_centre(kernel, all
     np.testing.assert_allclose(real + 1j * imaginary, 1.0, rtol=0, atol=allowed)
 
 
+def test_displaced_sums_are_those_of_what_is_displaced():
+    shift = (0.7, -1.3)
+    source = RNG.normal(size=len(X)) + 1j * RNG.normal(size=len(X))
+    parts = source.real.copy(), source.imag.copy()
+    real, imaginary = np.empty((2, len(X)))
+    kernels.displace(X, Y, *shift, *parts, real, imaginary)
+    expected = real.sum(), imaginary @ X, imaginary @ Y
+    np.testing.assert_allclose(kernels.displaced_sums(X, Y, *shift, *parts), expected, rtol=1e-11)
+
+
 def test_phases_turn_by_the_position():
     uv = 1e5 * np.column_stack([X, Y])
     phase = np.empty(len(uv), np.complex64)

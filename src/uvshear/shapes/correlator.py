@@ -63,6 +63,19 @@ class Correlator:
         self._centred = (real, imaginary)
         self.centre = np.array(centre, float)
 
+    def point_at(self, position: Float[Array, " 2"]) -> tuple[float, Float[Array, " 2"]]:
+        """<d, m> of a point of unit flux, and its gradient.
+
+        Parameters
+        ----------
+        position
+            Position of the point, relative to the centre of the facet in units of ``length``.
+        """
+        product, *gradient = kernels.displaced_sums(
+            self._x, self._y, float(position[0]), float(position[1]), *self._origin
+        )
+        return product, np.array(gradient)
+
     def form(self, ellipticity: complex, log_scale_length: float) -> Float[Array, " 3"]:
         """Coefficients of q = 4 pi^2 alpha^2 |A^-T k|^2 as a quadratic form of the scaled uv."""
         return quadratic_form_of(ellipticity, math.exp(log_scale_length) / self.length)

@@ -128,6 +128,20 @@ def displace_single(x, y, shift_x, shift_y, real, imaginary, new_real, new_imagi
 
 
 @compiled
+def displaced_sums(x, y, shift_x, shift_y, real, imaginary):  # type: ignore[no-untyped-def]
+    """Sum the real part of what :func:`displace` writes, and the products of the imaginary part with x and y."""
+    a, b = shift_x / (2 * math.pi), shift_y / (2 * math.pi)
+    total = along_x = along_y = 0.0
+    for i in range(x.size):
+        sine, cosine = sine_cosine_of_turns(x[i] * a + y[i] * b)
+        total += real[i] * cosine + imaginary[i] * sine
+        odd = imaginary[i] * cosine - real[i] * sine
+        along_x += odd * x[i]
+        along_y += odd * y[i]
+    return total, along_x, along_y
+
+
+@compiled
 def turn(uv, x, y, phase):  # type: ignore[no-untyped-def]
     """Write exp(2 pi i (u x + v y)) of each cell, in single precision."""
     for i in range(phase.size):

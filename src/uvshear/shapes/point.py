@@ -58,19 +58,20 @@ def fit_point(facet: Facet, prior: ShapePrior, start: GalaxyFit | None = None) -
         position = nodes[np.argmax(displaced.sum(axis=1))]
     else:
         position = start.offset / correlator.length
-    flux, norm = 0.0, 1.0
+    # Neither the norm nor the curvature depends on the position.
+    sums = correlator.normal_sums(np.zeros(3), np.zeros((3, 3)))
+    norm, curvature = sums.norm, sums.position_curvature
+    inverse = np.linalg.pinv(curvature, rcond=1e-9, hermitian=True)
+    flux = 0.0
     for _ in range(_MOST_STEPS):
-        correlator.move_to(position)
-        sums = correlator.normal_sums(np.zeros(3), np.zeros((3, 3)))
-        norm = sums.norm
-        flux = float(sums.products[0]) / norm
+        product, gradient = correlator.point_at(position)
+        flux = product / norm
         if flux <= 0:
             return None
-        curvature = flux * sums.position_curvature
-        step = np.linalg.lstsq(curvature, sums.position_gradient, rcond=1e-9)[0]
-        length = float(np.hypot(*step))
+        step = inverse @ gradient / flux
+        length = math.hypot(*step)
         position = position + step * min(1.0, width / max(length, 1e-30))
-        if flux * float(step @ curvature @ step) < _TOLERANCE**2:
+        if flux**2 * float(step @ curvature @ step) < _TOLERANCE**2:
             break
     if np.hypot(*position) > 1.5 * radius:
         return None

@@ -67,16 +67,15 @@ def _measure(
 ) -> ShapeMeasurement:
     prior, fit, profile = state.sources[source].prior, state.fits[source], state.profile
     fraction = 1.0 if neighbours is None else neighbours.information_fraction
+    facet = state.facet(source)
     shape = measure_shape(
-        state.facet(source),
+        facet,
         prior.measured,
         profile,
         fit if fit.snr > 0 else None,
         information_fraction=fraction * weight_correction,
     )
-    shape = with_significance(
-        shape, state.facet(source), prior.measured, profile, weight_correction
-    )
+    shape = with_significance(shape, facet, prior.measured, profile, weight_correction)
     if shape.flag in (FitFlag.OK, FitFlag.UNRESOLVED):
         size = math.exp(prior.log_scale_length)
         if residual_significance(state.residual(source), profile, size) > SIGNIFICANT:
