@@ -8,7 +8,7 @@ import pytest
 from tests.skies import galaxies
 from uvshear.constants import ARCSEC, MICROJANSKY
 from uvshear.execution import SERIAL, in_threads
-from uvshear.galaxy import Exponential, Gaussian
+from uvshear.galaxy import Exponential, Gaussian, Sersic
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
@@ -86,6 +86,31 @@ def test_galaxies_that_are_too_bright_or_too_large_are_summed(uvw, monkeypatch):
     # Images of the bright one alone would be wrong by more.
     monkeypatch.setattr(by_grid, "_suited", lambda galaxies, *_: np.array([3]))
     assert _rms(predict_by_grid(sky, uvw, CHANNELS[:1], error) - exact) > 5 * error
+
+
+@pytest.mark.usefixtures("_always_images")
+def test_galaxies_with_long_tails_are_summed(uvw):
+    """Images of such a galaxy, cut at the extent of an exponential disc, are wrong by 8e-5 of its flux."""
+    sky, error = _sky(0.004), 1e-8
+    exact = predict_visibilities(sky, uvw, CHANNELS[:1], Sersic(2.0))
+    got = predict_by_grid(sky, uvw, CHANNELS[:1], error, Sersic(2.0))
+    assert _rms(got - exact) < error
+
+
+@pytest.mark.parametrize(("profile", "beyond"), [(Exponential(), 1e-6), (Gaussian(), 1e-6)])
+def test_a_millionth_of_the_flux_lies_beyond_the_extent(profile, beyond):
+    r = np.linspace(profile.extent, 4 * profile.extent, 100_001)
+    tail = np.exp(-r) if isinstance(profile, Exponential) else np.exp(-(r**2) / 2)
+    assert np.sum(r * tail) * (r[1] - r[0]) == pytest.approx(beyond, rel=0.1)
+
+
+@pytest.mark.usefixtures("_always_images")
+def test_the_flux_in_the_band_decides_not_that_at_the_reference(uvw):
+    """At 1 GHz sources of such spectra are a thousand times as bright as at the reference frequency of 1.4 GHz."""
+    sky = replace(_sky(0.004), spectral_index=np.full(60, -20.0))
+    error = 1e-8
+    exact = predict_visibilities(sky, uvw, CHANNELS[:1])
+    assert _rms(predict_by_grid(sky, uvw, CHANNELS[:1], error) - exact) < error
 
 
 def test_without_an_error_the_sum_is_exact(uvw):

@@ -238,9 +238,9 @@ def simulate(
         typer.Option(
             "--exact",
             rich_help_panel=MODEL,
-            help="Sum over all galaxies for each visibility, to rounding error. Otherwise this is done only without"
-            " noise; with noise, most visibilities are computed from images, with an rms error of 1e-5 of the noise at"
-            " most.",
+            help="Sum over all galaxies in double precision, as is always done with --no-noise. By default the"
+            " visibilities have an rms error of at most 1e-5 of the noise: most are computed from images; with"
+            " --smearing or --primary-beam all are summed, in single precision where this is accurate enough.",
         ),
     ] = False,
     profile: Annotated[

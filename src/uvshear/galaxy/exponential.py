@@ -29,6 +29,11 @@ class Exponential(Profile):
         """Fourier transform at ``q`` >= 0."""
         return kernels.exponential_envelope(q.ravel()).reshape(q.shape)
 
+    @property
+    def extent(self) -> float:
+        """Distance beyond which a millionth of the flux lies: (1 + r) exp(-r) = 1e-6 [scale lengths]."""
+        return 16.7
+
     def envelope_slope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Differentiate the envelope with respect to q."""
         return kernels.exponential_slope(q.ravel()).reshape(q.shape)

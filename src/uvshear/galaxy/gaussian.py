@@ -23,6 +23,11 @@ class Gaussian(Profile):
         """Fourier transform at ``q`` >= 0."""
         return kernels.gaussian_envelope(q.ravel()).reshape(q.shape)
 
+    @property
+    def extent(self) -> float:
+        """Distance beyond which a millionth of the flux lies: exp(-r^2/2) = 1e-6 [sigma]."""
+        return 5.26
+
     def envelope_slope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Differentiate the envelope with respect to q."""
         return kernels.gaussian_slope(q.ravel()).reshape(q.shape)

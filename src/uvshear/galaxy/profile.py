@@ -1,5 +1,6 @@
 """Base class of brightness profiles: a Fourier transform as a function of one variable."""
 
+import math
 from abc import ABC, abstractmethod
 
 import numpy as np
@@ -21,6 +22,11 @@ class Profile(ABC):
     @abstractmethod
     def envelope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Fourier transform at ``q`` >= 0, in the dtype of ``q``; its value at 0 is 1."""
+
+    @property
+    def extent(self) -> float:
+        """Distance beyond which a millionth of the flux lies [scale lengths along an axis]; infinite if not known."""
+        return math.inf
 
     def envelope_slope(self, q: Float[Array, "..."]) -> Float[Array, "..."]:
         """Differentiate the envelope with respect to q, by central differences unless a subclass overrides this."""

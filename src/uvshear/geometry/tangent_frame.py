@@ -1,7 +1,7 @@
 r"""Coordinates that are turned to another phase centre, in which a part of the sky is nearly flat.
 
 With s = (l, m, n) a direction, b a baseline and z = (0, 0, 1), the phase is b . (s - z) turns. A rotation R that takes
-the new centre c to z changes neither product:
+the new centre c to z changes no scalar product, so that
 
 .. math:: b \cdot (s - z) = (R b) \cdot (R s - z) + b \cdot (c - z).
 """
@@ -60,8 +60,8 @@ class TangentFrame:
     ) -> Float[Array, "source 3"]:
         """Quadratic forms of galaxies (``ellipticity.quadratic_form``) in this frame.
 
-        A form a u^2 + b u v + c v^2 is one of the gradient of the phase with respect to l and m, which the derivative
-        of the new directions by the old ones takes to the new frame.
+        (u, v) is the gradient of the phase with respect to (l, m). With J the Jacobian of the new direction cosines
+        with respect to the old ones, a form with the matrix F becomes J F J^T.
         """
         n = 1 + n_minus_one(l, m)
         by_l = self.rotation[:2, 0, None] - self.rotation[:2, 2, None] * (l / n)

@@ -46,7 +46,7 @@ def grid(
     image
         Pixels of the image.
     epsilon
-        Relative error in the root mean square, at least 1e-5 for single precision.
+        Relative error in the root mean square, at least 1e-6 for single precision.
     with_w
         Whether the term w (n - 1) is included.
     mask
@@ -89,7 +89,7 @@ def degrid(
     pixels
         Values b of the pixels of ``image``.
     epsilon
-        Relative error in the root mean square, at least 1e-5 for single precision.
+        Relative error in the root mean square, at least 1e-6 for single precision.
     with_w
         Whether the term w (n - 1) is included.
     executor

@@ -29,9 +29,9 @@ class AttenuatedSamples(ABC):
 
     @abstractmethod
     def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
-        """Multiply ``factor`` in place by that of a point source at these direction cosines.
+        """Multiply ``factor`` in place by the attenuation of a point source at these direction cosines.
 
-        Factors in single precision may be wrong by 1e-6.
+        If ``factor`` is in single precision, an error of 3e-7 is allowed.
         """
 
 
@@ -149,7 +149,7 @@ def total_attenuation(
 
 
 def rotation_matrix(declination: float) -> Float[Array, "3 3"]:
-    """Matrix that turns (u, v, w) into its rate of change [1/s]."""
+    """Matrix whose product with (u, v, w) is its rate of change [1/s]."""
     sine, cosine = math.sin(declination), math.cos(declination)
     turning = [[0.0, -sine, cosine], [sine, 0.0, 0.0], [-cosine, 0.0, 0.0]]
     return EARTH_ROTATION * np.array(turning)

@@ -9,7 +9,7 @@ _AXES = (0, 1)
 
 
 def half_spectrum(image: Float[Array, "l m"]) -> Complex[Array, "u v"]:
-    """Transform a real image, as ``rfft2`` does, on the thread that calls."""
+    """Transform a real image, as ``rfft2`` does, in the calling thread."""
     return np.asarray(ducc0.fft.r2c(image, axes=_AXES, nthreads=1))
 
 

@@ -65,8 +65,8 @@ def simulate(
         Seed of the noise, and of sizes that the catalogue lacks; with None no noise is added, but the weights are those
         of the noise.
     exact
-        Whether visibilities are sums over all galaxies, to rounding error. Otherwise this holds only without noise;
-        with noise, most are computed from images, with an rms error of 1e-5 of the noise at most.
+        Whether visibilities are summed over all galaxies in double precision. Otherwise this holds only without noise;
+        with noise they have an rms error of at most 1e-5 of it, and most are computed from images.
 
     Warns
     -----

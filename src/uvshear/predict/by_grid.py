@@ -1,4 +1,4 @@
-"""Visibilities of galaxies by way of images, to a small fraction of the noise and of the cost of the sum over sources.
+"""Visibilities of galaxies from images of them: the error is a small fraction of the noise, and the cost of the sum's.
 
 Baselines are divided into octaves of their length. For each octave the field is divided into square tiles. The galaxies
 of a tile are drawn in the frame of its centre (``geometry.tangent_frame``), where few w-planes are needed, and
@@ -22,7 +22,7 @@ from uvshear.imaging.grid import ImageGrid
 from uvshear.imaging.gridder import degrid
 from uvshear.imaging.tiles import Tile
 from uvshear.numerics.fft_sizes import fast_size
-from uvshear.predict.direct import precision_within, predict_visibilities
+from uvshear.predict.direct import largest_flux, precision_within, predict_visibilities
 from uvshear.predict.rendering import Stamps, draw
 from uvshear.predict.response import SharedFactors
 from uvshear.typing import Array, Complex, Float, Int
@@ -34,29 +34,34 @@ RELATIVE_ERROR = 1e-6
 """Root mean square error of a galaxy's visibilities over its flux, by drawing and gridding."""
 
 CURVATURE = 6 * math.pi
-"""Phase that the sum neglects and images do not, over w alpha^2: pi <x^2> w, averaged over an exponential disc."""
+"""Mean phase error of the sum that images do not have, pi <r^2> w [rad], over w alpha^2: <r^2> is 6 alpha^2 for a round
+exponential disc, and no more for other profiles that are drawn."""
+
+FOR_IMAGES = 0.9
+"""Part of the error that images may have; the rest is for the rounding of the sum."""
 
 SPECTRAL_TOLERANCE = 1e-6
 """Error of a spectrum that is a combination of others."""
 
-OVERSAMPLING, STEEPNESS, SMALLEST_STAMP = 1.4, 14.0, 72
-"""Nyquist frequency of an octave's pixels over its longest baseline, shape parameter of the taper between the two, and
-the smallest width of a stamp [pixels]: galaxies are drawn with an error of 2e-7 of their flux."""
+OVERSAMPLING = 1.4
+"""Nyquist frequency of an octave's pixels over its longest baseline."""
 
-HALF_WIDTH = 12.0
-"""Half of the width of a stamp over the scale length along the major axis."""
+STEEPNESS, SMALLEST_STAMP = 14.0, 72
+"""Shape parameter of the taper between the longest baseline and the Nyquist frequency, and the smallest width of a
+stamp [pixels]. A galaxy that is smaller than a pixel is drawn with an error of 2e-7 of its flux."""
 
 LARGEST_STAMP = 320
 """Largest width of a stamp [pixels]; larger galaxies are summed."""
 
 FEWEST_PIXELS = 256
-"""Width of the image of the whole field below which baselines are not divided further."""
+"""Width of the image of the whole field below which baselines are not divided further [pixels]."""
 
 MOST_TILES = 16
 """Largest number of tiles along a side of the field."""
 
 SLAB = 2**20
-"""Number of visibilities that one call of the gridder gives; it depends on the data alone, as do all sums."""
+"""Largest number of visibilities that one call of the gridder computes. It does not depend on the number of workers, so
+that the result does not either."""
 
 _SUM, _STAMP, _SAMPLE, _PIXEL = 1.6, 14.0, 380.0, 22.0
 """Costs on one core [ns]: of a source and a sample in the sum, of a pixel of a stamp, of a sample of a tile, and of a
@@ -74,10 +79,10 @@ def predict_by_grid(
     profile: Profile | None = None,
     executor: Executor = SERIAL,
 ) -> Complex[Array, "row chan"]:
-    """Predict the visibilities of all galaxies [Jy] as ``predict_visibilities`` does, with an error.
+    """Approximate what ``predict_visibilities`` computes [Jy], with a given rms error at most.
 
-    The result does not depend on the executor, bit for bit. Images take the curvature of the sky across a galaxy into
-    account, which the sum neglects.
+    The result does not depend on the executor, bit for bit. Images have the w term across each galaxy, of which the sum
+    has the first order alone.
 
     Parameters
     ----------
@@ -86,7 +91,7 @@ def predict_by_grid(
     uvw
         Baselines [m].
     frequency
-        Channel centres [Hz].
+        Channel centres, in rising order [Hz].
     error
         Root mean square of the error that is allowed [Jy]; galaxies for which images would be worse are summed.
     profile
@@ -97,21 +102,29 @@ def predict_by_grid(
     profile = profile or Exponential()
     vis = np.zeros((len(uvw), len(frequency)), complex)
     per_metre = float(frequency.max()) / SPEED_OF_LIGHT
-    w = np.abs(uvw[:, 2]) * per_metre
-    length = longest_seen(uvw, steepest(galaxies.l, galaxies.m)) * per_metre
+    distance = np.hypot(uvw[:, 0], uvw[:, 1]) * per_metre
+    slope = steepest(galaxies.l, galaxies.m)
+    length = longest_seen(uvw, slope) * per_metre
+    # In the frame of a tile, w is that along the direction of its centre.
+    w = np.abs(uvw[:, 2]) * per_metre + slope * distance
 
     def add_sum(part: Galaxies, rows: Int[Array, " _"]) -> None:
         if len(part) and len(rows):
+            dtype = precision_within(error, largest_flux(part, frequency))
             vis[rows] += predict_visibilities(
-                part, uvw[rows], frequency, profile, executor, dtype=precision_within(error, part)
+                part, uvw[rows], frequency, profile, executor, dtype=dtype
             )
 
     everything = np.arange(len(galaxies))
     for band in _octaves(length, galaxies):
         rows = np.flatnonzero(band.holds(length))
         reach = float(w[rows].max(initial=0.0))
-        suited = _suited(galaxies, band, reach, error, profile)
-        side = _cheapest_side(galaxies.select(suited), band, len(rows) * len(frequency), reach)
+        least = (band.shortest - 2 * slope * reach) * float(frequency.min() / frequency.max())
+        flux = largest_flux(galaxies, frequency)
+        wrong = flux * _relative_error(galaxies, max(least, 0.0), reach, profile)
+        suited = _suited(wrong, _stamp_sizes(galaxies, band.pixel, profile), FOR_IMAGES * error)
+        samples = len(rows) * len(frequency)
+        side = _cheapest_side(galaxies.select(suited), band, samples, reach, profile)
         if side is not None:
             octave = _Octave(rows, band, _squares(galaxies, suited, side))
             vis[rows] = _visibilities(octave, uvw, frequency, galaxies, profile, executor)
@@ -132,27 +145,40 @@ def _octaves(length: Float[Array, " row"], galaxies: Galaxies) -> Iterator[Band]
     longest, is_last = float(length.max()) * (1 + 1e-9), False
     while not is_last:
         pixel = 1 / (2 * OVERSAMPLING * longest)
-        is_last = span / pixel < FEWEST_PIXELS
+        is_last = not span / pixel >= FEWEST_PIXELS
         yield Band(0.0 if is_last else longest / 2, longest, pixel)
         longest /= 2
 
 
-def _suited(
-    galaxies: Galaxies, band: Band, w: float, error: float, profile: Profile
-) -> Int[Array, " member"]:
-    """Return the galaxies that are drawn; those that are too large, or for which images are worst, are not.
+def _relative_error(
+    galaxies: Galaxies, shortest: float, w: float, profile: Profile
+) -> Float[Array, " source"]:
+    """Estimate the difference between images and the sum, over each galaxy's flux.
 
-    ``w`` is the largest in the band [wavelengths].
+    ``shortest`` is the shortest baseline that a galaxy sees, and ``w`` is the largest w [wavelengths].
     """
-    left = profile.envelope((2 * math.pi * galaxies.scale_length * band.shortest) ** 2)
-    curved = CURVATURE * w * galaxies.scale_length**2 * np.abs(left)
-    wrong = np.abs(galaxies.flux) * np.hypot(RELATIVE_ERROR, curved)
-    small = np.flatnonzero(np.array(_stamp_sizes(galaxies, band.pixel)) <= LARGEST_STAMP)
+    modulus = np.abs(galaxies.ellipticity)
+    short_axis, long_axis = (galaxies.scale_length / (1 + sign * modulus) for sign in (1, -1))
+    left = np.abs(profile.envelope((2 * math.pi * short_axis * shortest) ** 2))
+    curved = CURVATURE * w * (short_axis**2 + long_axis**2) / 2 * left
+    return np.hypot(RELATIVE_ERROR, curved)
+
+
+def _suited(
+    wrong: Float[Array, " source"], sizes: Float[Array, " source"], error: float
+) -> Int[Array, " member"]:
+    """Return the galaxies that are drawn: of those whose stamps are small, as many as the error allows [Jy].
+
+    ``wrong`` is the error of each galaxy [Jy], and ``sizes`` are the widths of the stamps [pixels].
+    """
+    small = np.flatnonzero(sizes <= LARGEST_STAMP)
     order = small[np.argsort(wrong[small], kind="stable")]
     return np.sort(order[np.sqrt(np.cumsum(wrong[order] ** 2)) <= error])
 
 
-def _cheapest_side(galaxies: Galaxies, band: Band, samples: int, w: float) -> int | None:
+def _cheapest_side(
+    galaxies: Galaxies, band: Band, samples: int, w: float, profile: Profile
+) -> int | None:
     """Return the number of tiles along a side of the field that costs least; None where the sum costs less.
 
     ``w`` is the largest in the band [wavelengths].
@@ -160,7 +186,7 @@ def _cheapest_side(galaxies: Galaxies, band: Band, samples: int, w: float) -> in
     if len(galaxies) == 0 or samples == 0:
         return None
     span = max(float(np.ptp(galaxies.l)), float(np.ptp(galaxies.m)))
-    sizes = np.array(_stamp_sizes(galaxies, band.pixel))
+    sizes = _stamp_sizes(galaxies, band.pixel, profile)
 
     def cost(side: int) -> float:
         width = span / side + int(sizes.max()) * band.pixel
@@ -174,7 +200,7 @@ def _cheapest_side(galaxies: Galaxies, band: Band, samples: int, w: float) -> in
 
 @dataclass(frozen=True)
 class _Octave:
-    """Rows with baselines of about one length, for which images are made.
+    """Rows whose baselines lie in one band, and the tiles that are drawn for them.
 
     Parameters
     ----------
@@ -194,7 +220,7 @@ class _Octave:
 def _squares(
     galaxies: Galaxies, chosen: Int[Array, " member"], side: int
 ) -> list[Int[Array, " _"]]:
-    """Divide the field into ``side`` x ``side`` squares, and return the chosen galaxies of those that have any."""
+    """Divide the field into ``side`` x ``side`` squares; return the chosen galaxies in each that has any."""
     place = np.column_stack([galaxies.l, galaxies.m])[chosen]
     low = place.min(axis=0)
     width = max(float(np.ptp(place, axis=0).max()), 1e-300) / side
@@ -203,10 +229,13 @@ def _squares(
     return [chosen[number == k] for k in np.unique(number)]
 
 
-def _stamp_sizes(galaxies: Galaxies, pixel: float) -> list[int]:
+def _stamp_sizes(galaxies: Galaxies, pixel: float, profile: Profile) -> Float[Array, " source"]:
+    """Return the width of each galaxy's stamp [pixels]; infinite for a profile of unknown extent."""
+    if math.isinf(profile.extent):
+        return np.full(len(galaxies), math.inf)
     long_axis = galaxies.scale_length / (1 - np.abs(galaxies.ellipticity))
-    widths = np.maximum(np.ceil(2 * HALF_WIDTH * long_axis / pixel), SMALLEST_STAMP)
-    return [fast_size(width) for width in widths.tolist()]
+    widths = np.maximum(np.ceil(2 * profile.extent * long_axis / pixel), SMALLEST_STAMP)
+    return np.array([fast_size(width) for width in widths.tolist()], float)
 
 
 def _visibilities(
@@ -283,11 +312,11 @@ def _drawn(
     place = np.column_stack(frame.directions(galaxies.l, galaxies.m))
     forms = np.stack(quadratic_form(galaxies.ellipticity, galaxies.scale_length), axis=-1)
     forms = frame.forms(galaxies.l, galaxies.m, forms)
-    sizes = _stamp_sizes(galaxies, band.pixel)
+    sizes = _stamp_sizes(galaxies, band.pixel, profile).astype(int)
     nearest = np.rint(place / band.pixel).astype(int)
-    half = np.array(sizes)[:, None] // 2 + 1
+    half = sizes[:, None] // 2 + 1
     # The centre of the frame is the middle pixel.
     size = 2 * int(np.max(np.abs(nearest) + half))
     tile = Tile(0, (-size // 2, -size // 2), size, np.arange(len(galaxies)), -1)
-    image = draw(Stamps(place, forms, flux, sizes, STEEPNESS), tile, band, profile)
+    image = draw(Stamps(place, forms, flux, sizes.tolist(), STEEPNESS), tile, band, profile)
     return _TileImage(frame, image, ImageGrid(size, band.pixel), spectrum)

@@ -5,7 +5,7 @@ import numpy as np
 from uvshear.execution import SERIAL, Executor
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.predict.by_grid import predict_by_grid
-from uvshear.predict.direct import precision_within, predict_visibilities
+from uvshear.predict.direct import largest_flux, precision_within, predict_visibilities
 from uvshear.predict.losses import Losses
 from uvshear.typing import Array, Complex, Float
 
@@ -32,6 +32,6 @@ def predict_within_error(
         Error that is allowed [Jy]; with 0 the sum is exact.
     """
     if losses is not None:
-        dtype: type[np.floating] = precision_within(error, galaxies)
+        dtype: type[np.floating] = precision_within(error, largest_flux(galaxies, frequency))
         return predict_visibilities(galaxies, uvw, frequency, profile, executor, losses, dtype)
     return predict_by_grid(galaxies, uvw, frequency, error, profile, executor)

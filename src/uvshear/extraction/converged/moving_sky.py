@@ -15,8 +15,8 @@ from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Float
 
 SLOTS = 512
-"""Number of changes that are rendered before the image takes them, which take 250 MB at most. It does not depend on the
-workers, so that every fit sees the same image whatever their number."""
+"""Largest number of rendered changes that wait to be added to the image; they occupy at most 250 MB. It does not depend
+on the workers, so that every fit sees the same image whatever their number."""
 
 Find: TypeAlias = "Callable[[SkyState], list[GalaxyFit]]"
 """Finds new fits of some sources; it is picklable."""
@@ -65,7 +65,8 @@ class MovingSky:
     ) -> Float[Array, " source"]:
         """Let sources move; return the change of each source in units of the noise.
 
-        Moves do not see one another, unless there are more of them than slots.
+        Every fit sees the sky as it was before the call, unless more than ``SLOTS`` sources move: later ones then see
+        the image, but not the fits, of earlier ones.
 
         The crew, whose sky this is, finds the fits, renders the changes, and is told the fits in the end. ``on_move``
         is called after each move.
@@ -124,7 +125,7 @@ def _batches(moves: Sequence[Move]) -> Iterator[list[Move]]:
     batch: list[Move] = []
     held = 0
     for move in moves:
-        if held + len(move.sources) > SLOTS:
+        if batch and held + len(move.sources) > SLOTS:
             yield batch
             batch, held = [], 0
         batch.append(move)
