@@ -121,7 +121,8 @@ def predict_by_grid(
         reach = float(w[rows].max(initial=0.0))
         least = (band.shortest - 2 * slope * reach) * float(frequency.min() / frequency.max())
         flux = largest_flux(galaxies, frequency)
-        wrong = flux * _relative_error(galaxies, max(least, 0.0), reach, profile)
+        typical = float(np.sqrt(np.mean(w[rows] ** 2))) if len(rows) else 0.0
+        wrong = flux * _relative_error(galaxies, max(least, 0.0), typical, profile)
         suited = _suited(wrong, _stamp_sizes(galaxies, band.pixel, profile), FOR_IMAGES * error)
         samples = len(rows) * len(frequency)
         side = _cheapest_side(galaxies.select(suited), band, samples, reach, profile)
@@ -155,7 +156,7 @@ def _relative_error(
 ) -> Float[Array, " source"]:
     """Estimate the difference between images and the sum, over each galaxy's flux.
 
-    ``shortest`` is the shortest baseline that a galaxy sees, and ``w`` is the largest w [wavelengths].
+    ``shortest`` is the shortest baseline that a galaxy sees, and ``w`` is the root mean square of w [wavelengths].
     """
     modulus = np.abs(galaxies.ellipticity)
     short_axis, long_axis = (galaxies.scale_length / (1 + sign * modulus) for sign in (1, -1))
