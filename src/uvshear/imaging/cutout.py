@@ -71,7 +71,8 @@ class Cutout:
         paired = square.copy()
         paired[0, :] = paired[:, 0] = 0
         facet = np.zeros(len(self._scale), np.result_type(square.dtype, np.complex64))
-        kernels.add_cells(half_spectrum(paired), *self.cells, self._scale, facet)
+        everywhere = np.arange(len(facet))
+        kernels.gather_cells(half_spectrum(paired), *self.cells, self._scale, everywhere, facet)
         return facet
 
     @cached_property

@@ -82,11 +82,3 @@ def refine(coarse, shift_l, shift_m, weights, row, between, fine):  # type: igno
             into[even + 2 * i] += row[at + i]
         for i in range(many):
             into[odd + 2 * i] += between[i]
-
-
-@compiled
-def add_cells(spectrum, row, column, scale, facet):  # type: ignore[no-untyped-def]
-    """Add ``scale`` times the conjugate of some cells of a spectrum to a facet of these cells."""
-    for k in range(facet.size):
-        found = spectrum[row[k], column[k]]
-        facet[k] += complex(scale[k] * found.real, -scale[k] * found.imag)

@@ -115,12 +115,11 @@ def predict_by_grid(
                 part, uvw[rows], frequency, profile, executor, dtype=dtype
             )
 
-    everything = np.arange(len(galaxies))
+    everything, flux = np.arange(len(galaxies)), largest_flux(galaxies, frequency)
     for band in _octaves(length, galaxies):
         rows = np.flatnonzero(band.holds(length))
         reach = float(w[rows].max(initial=0.0))
         least = (band.shortest - 2 * slope * reach) * float(frequency.min() / frequency.max())
-        flux = largest_flux(galaxies, frequency)
         typical = float(np.sqrt(np.mean(w[rows] ** 2))) if len(rows) else 0.0
         wrong = flux * _relative_error(galaxies, max(least, 0.0), typical, profile)
         suited = _suited(wrong, _stamp_sizes(galaxies, band.pixel, profile), FOR_IMAGES * error)
