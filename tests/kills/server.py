@@ -3,6 +3,7 @@
 import contextlib
 import os
 import random
+import shutil
 import signal
 import sys
 import time
@@ -18,7 +19,6 @@ import uvshear.pipeline.shear
 import uvshear.plot
 from tests.kills.commands import COMMANDS, INPUTS, Command
 from tests.kills.fingerprints import fingerprint, run_of
-from uvshear.cli.application import WRONG_INPUT
 from uvshear.errors import InputError
 from uvshear.io.unfinished import MARK
 from uvshear.pipeline.measurement import read_measurement
@@ -26,8 +26,8 @@ from uvshear.pipeline.measurement import read_measurement
 EVENTS = ("open", "os.", "shutil.", "tempfile.", "ctypes.")
 """Beginnings of the names of audit events at which a process may be killed."""
 
-DEMO_SECONDS, DEMO_EVENTS = 30.0, 1500
-"""A time within which a demo does not end, and a number of events of files that it has."""
+KILLS_OF_A_DEMO = 10
+"""Number of times that one demo is killed before it may come to its end."""
 
 NEVER = 10**9
 """Number of an event that does not come."""
@@ -211,21 +211,46 @@ def main(name: str, kills: int, seed: int) -> None:
 
 
 def kill_demo(kills: int, seed: int) -> None:
-    """Kill the demo, each time on what the last one has left, then let it come to its end."""
+    """Kill the demo, each time on what the last one has left; let every tenth one come to its end."""
     words, moments = ["demo", "demo", "--threads", "1"], random.Random(seed)
-    killed = 0
+    first = run(words)
+    assert first.status == 0, Path("log").read_text()[-500:]
+    clean = _fingerprints(Path("demo"))
+    events = events_of([*words, "--overwrite"])
+    killed, has_ended = 0, True
     for number in range(kills):
+        if number % KILLS_OF_A_DEMO == 0 or has_ended:
+            shutil.rmtree("demo")
         if number % 2:
-            ended = run(words, at_event=moments.randint(1, DEMO_EVENTS))
+            ended = run(words, at_event=moments.randint(1, events))
         else:
-            ended = run(words, after=moments.uniform(0, DEMO_SECONDS))
+            ended = run(words, after=moments.uniform(0, 1.1 * first.seconds))
         killed += ended.status is None
-        assert ended.status in {None, 0, WRONG_INPUT}, Path("log").read_text()[-500:]
-    last = run([*words, "--overwrite"] if killed < kills else words)
+        assert ended.status in {None, 0}, Path("log").read_text()[-500:]
+        left = _fingerprints(Path("demo")) if Path("demo").exists() else {}
+        assert left.items() <= clean.items(), "a file is not whole"
+        has_ended = left == clean
+        if (number + 1) % KILLS_OF_A_DEMO == 0 or number + 1 == kills:
+            _end_demo([*words, "--overwrite"] if has_ended else words, clean)
+    print(f"{killed} {events}")  # noqa: T201 - for the test that started this process
+
+
+def _fingerprints(directory: Path) -> dict[str, str]:
+    """Return the hashes of all files that are not hidden."""
+    return {
+        path.name: fingerprint(path)
+        for path in directory.iterdir()
+        if not path.name.startswith(".")
+    }
+
+
+def _end_demo(words: Sequence[str], clean: dict[str, str]) -> None:
+    """Let the demo come to its end; its files are then those of a demo that nothing disturbed."""
+    last = run(words)
     assert last.status == 0, Path("log").read_text()[-500:]
+    assert _fingerprints(Path("demo")) == clean
     hidden = [path.name for path in Path("demo").iterdir() if path.name.startswith(".")]
     assert not hidden, hidden
-    print(f"{killed} {DEMO_EVENTS}")  # noqa: T201 - for the test that started this process
 
 
 if __name__ == "__main__":
