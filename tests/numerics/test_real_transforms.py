@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from uvshear.numerics.real_transforms import half_spectrum, image_of
+from uvshear.numerics.real_transforms import half_spectrum, image_into, image_of
 
 
 @pytest.mark.parametrize("size", [32, 90, 352])
@@ -18,3 +18,6 @@ def test_transforms_are_those_of_numpy(size, dtype, allowed):
     back = image_of(spectrum, size)
     np.testing.assert_allclose(np.fft.ifftshift(back), image, rtol=0, atol=10 * allowed)
     np.testing.assert_array_equal(image, kept)
+    into = np.empty((3, size, size), dtype)[1]
+    image_into(spectrum, into)
+    np.testing.assert_allclose(into, image, rtol=0, atol=10 * allowed)

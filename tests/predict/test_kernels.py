@@ -42,11 +42,37 @@ def test_sources_are_added_with_their_phases(kernel, dtype, allowed, rows):
 
 
 def test_a_plane_has_the_form_the_taper_and_the_phases_of_its_axes():
-    u, v = np.linspace(-1, 1, 6), np.linspace(0, 1, 4)
-    q, spectrum = np.empty((6, 4)), np.empty((6, 4), complex)
-    kernels.plane_argument(u, v, np.array([2.0, -0.5, 1.5]), q)
+    u, v, reach = np.linspace(-1, 1, 6), np.linspace(0, 1, 4), np.array([4, 2, 0, 1, 3, 4])
+    within = np.arange(4) < reach[:, None]
+    q, spectrum = np.empty(14), np.full((6, 4), np.nan, complex)
+    kernels.plane_argument(u, v, reach, np.array([2.0, -0.5, 1.5]), q)
     expected = 2 * u[:, None] ** 2 - 0.5 * u[:, None] * v + 1.5 * v**2
-    np.testing.assert_allclose(q, expected, atol=1e-14)
-    taper, along_u, along_v = np.full((6, 4), 0.5), np.exp(1j * u), np.exp(2j * v)
-    kernels.plane_spectrum(np.exp(-q), taper, along_u, along_v, spectrum)
-    np.testing.assert_allclose(spectrum, 0.5 * np.exp(-q) * along_u[:, None] * along_v, atol=1e-14)
+    np.testing.assert_allclose(q, expected[within], atol=1e-14)
+    taper, along_u, along_v = np.linspace(1, 0.5, 14), np.exp(1j * u), np.exp(2j * v)
+    kernels.plane_spectrum(np.exp(-q), taper, reach, along_u, along_v, spectrum)
+    whole = np.zeros((6, 4))
+    whole[within] = taper
+    expected = whole * np.exp(-expected) * along_u[:, None] * along_v
+    np.testing.assert_allclose(spectrum, expected, atol=1e-14)
+
+
+def test_a_change_is_the_difference_times_the_beam_and_has_the_power_of_the_whole_plane():
+    rng = np.random.default_rng(4)
+    reach = np.array([5, 4, 1, 0, 1, 4, 5, 5])
+    within = np.arange(5) < reach[:, None]
+    taper, beam = rng.uniform(0, 1, within.sum()), rng.standard_normal((8, 5))
+    envelopes = rng.uniform(0, 1, (2, len(taper)))
+    along_u, along_v = (
+        np.exp(1j * rng.uniform(0, 6, (2, 8))),
+        np.exp(1j * rng.uniform(0, 6, (2, 5))),
+    )
+    spectrum = np.full((8, 5), np.nan, complex)
+    new, old = zip(envelopes, along_u, along_v, strict=True)
+    power = kernels.plane_change(new, old, taper, reach, beam, spectrum)
+    sources = np.zeros((2, 8, 5), complex)
+    sources[:, within] = envelopes * taper
+    sources *= along_u[:, :, None] * along_v[:, None, :]
+    change = sources[0] - sources[1]
+    counted = np.array([1, 2, 2, 2, 1]) * beam * np.abs(change) ** 2
+    assert power == pytest.approx(counted.sum(), rel=1e-6)
+    np.testing.assert_allclose(spectrum, beam * change, atol=1e-14)

@@ -20,3 +20,11 @@ def image_of(spectrum: Complex[Array, "u v"], size: int) -> Float[Array, "l m"]:
     """
     image = ducc0.fft.c2r(spectrum, axes=_AXES, lastsize=size, forward=False, inorm=2, nthreads=1)
     return np.fft.fftshift(image)
+
+
+def image_into(spectrum: Complex[Array, "u v"], image: Float[Array, "l m"]) -> None:
+    """Write the transform of a spectrum into a square image, whose first pixel is its origin, as ``irfft2`` does."""
+    size = image.shape[1]
+    ducc0.fft.c2r(
+        spectrum, axes=_AXES, lastsize=size, forward=False, inorm=2, nthreads=1, out=image
+    )

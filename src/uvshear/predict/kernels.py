@@ -63,18 +63,52 @@ def add_sources_single(uvw, per_metre, lmn1, flux, envelope, real, imaginary):  
 
 
 @compiled
-def plane_argument(u, v, form, q):  # type: ignore[no-untyped-def]
-    """Write form[0] u^2 + form[1] u v + form[2] v^2 on a plane of cells into q."""
+def plane_argument(u, v, reach, form, q):  # type: ignore[no-untyped-def]
+    """Write form[0] u^2 + form[1] u v + form[2] v^2 into q, for the first ``reach[i]`` cells of each row in turn."""
     a, b, c = form
+    k = 0
     for i in range(u.size):
         first, second = a * u[i] * u[i], b * u[i]
-        for j in range(v.size):
-            q[i, j] = first + (second + c * v[j]) * v[j]
+        for j in range(reach[i]):
+            q[k + j] = first + (second + c * v[j]) * v[j]
+        k += reach[i]
 
 
 @compiled
-def plane_spectrum(envelope, taper, along_u, along_v, spectrum):  # type: ignore[no-untyped-def]
-    """Write the product of envelope, taper, and the phases of both axes."""
+def plane_spectrum(envelope, taper, reach, along_u, along_v, spectrum):  # type: ignore[no-untyped-def]
+    """Write the product of envelope, taper, and the phases of both axes; zero beyond the reach of each row."""
+    k = 0
     for i in range(along_u.size):
-        for j in range(along_v.size):
-            spectrum[i, j] = (envelope[i, j] * taper[i, j]) * (along_u[i] * along_v[j])
+        for j in range(reach[i]):
+            spectrum[i, j] = (envelope[k + j] * taper[k + j]) * (along_u[i] * along_v[j])
+        spectrum[i, reach[i] :] = 0
+        k += reach[i]
+
+
+@compiled
+def plane_change(new, old, taper, reach, beam, spectrum):  # type: ignore[no-untyped-def]
+    """Write the change of a source, times a beam, and return its power: the sum over the whole plane.
+
+    ``new`` and ``old`` are the envelopes of the source and the phases of both axes, those along u with its flux.
+    """
+    new_envelope, new_u, new_v = new
+    old_envelope, old_u, old_v = old
+    power, k, last = 0.0, 0, old_v.size - 1
+    for i in range(reach.size):
+        of_row = taper.dtype.type(0)
+        of_new, of_old, own_beam, own = new_u[i], old_u[i], beam[i], spectrum[i]
+        for j in range(reach[i]):
+            now, before = of_new * new_v[j], of_old * old_v[j]
+            first, second = new_envelope[k + j], old_envelope[k + j]
+            real = taper[k + j] * (first * now.real - second * before.real)
+            imaginary = taper[k + j] * (first * now.imag - second * before.imag)
+            of_row += own_beam[j] * (real * real + imaginary * imaginary)
+            own[j] = complex(own_beam[j] * real, own_beam[j] * imaginary)
+        own[reach[i] :] = 0
+        power += 2 * float(of_row)
+        # This is half of the plane: the columns v = 0 and that of the Nyquist frequency count once.
+        for j in (0, last):
+            if j < reach[i] and own_beam[j] != 0:
+                power -= (own[j].real ** 2 + own[j].imag ** 2) / own_beam[j]
+        k += reach[i]
+    return power

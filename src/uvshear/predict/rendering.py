@@ -15,7 +15,7 @@ from uvshear.imaging.tiles import Tile
 from uvshear.numerics.fft_sizes import fast_size
 from uvshear.numerics.real_transforms import image_of
 from uvshear.predict import kernels
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Complex, Float, Int
 
 SMALLEST_STAMP = 40
 """Smallest size of a stamp [pixels]: where a galaxy is smaller than the pixels of a coarse band, the taper sets the
@@ -138,25 +138,69 @@ def transform_on_stamp(
     steepness
         Shape parameter of the taper beyond the band.
     """
-    u, v, taper = _stamp_plane(size, band, steepness)
-    q, spectrum = np.empty(taper.shape, np.float32), np.empty(taper.shape, np.complex64)
-    kernels.plane_argument(u, v, (4 * math.pi**2 * form).astype(np.float32), q)
-    along_u, along_v = (
-        np.exp(-2j * math.pi * x * k).astype(np.complex64)
-        for x, k in zip(offset, (u, v), strict=True)
-    )
-    kernels.plane_spectrum(profile.envelope(q), taper, along_u, along_v, spectrum)
+    plane = stamp_plane(size, band, steepness)
+    spectrum = np.empty((len(plane.u), len(plane.v)), np.complex64)
+    along_u, along_v = plane.phases(offset)
+    envelope = profile.envelope(plane.argument(form))
+    kernels.plane_spectrum(envelope, plane.taper, plane.reach, along_u, along_v, spectrum)
     return spectrum
 
 
+@dataclass(frozen=True)
+class StampPlane:
+    """Cells of the Fourier transform of a stamp that a band holds.
+
+    Parameters
+    ----------
+    u, v
+        Coordinates of the cells along each axis, in the layout of ``irfft2`` [wavelengths].
+    reach
+        Number of cells of each row, from the first, up to which the taper is not zero.
+    taper
+        Taper on these cells, row after row.
+    """
+
+    u: Float[Array, " u"]
+    v: Float[Array, " v"]
+    reach: Int[Array, " u"]
+    taper: Float[Array, " cell"]
+
+    def argument(self, form: Float[Array, " 3"]) -> Float[Array, " cell"]:
+        """Argument q of the envelope of a galaxy with this quadratic form [rad^2]."""
+        q = np.empty(len(self.taper), np.float32)
+        scaled = (4 * math.pi**2 * form).astype(np.float32)
+        kernels.plane_argument(self.u, self.v, self.reach, scaled, q)
+        return q
+
+    def phases(
+        self, offset: tuple[float, float]
+    ) -> tuple[Complex[Array, " u"], Complex[Array, " v"]]:
+        """Phases along each axis of a galaxy at an offset from the pixel at the origin [rad]."""
+        along_u, along_v = (
+            np.exp(-2j * math.pi * x * k).astype(np.complex64)
+            for x, k in zip(offset, (self.u, self.v), strict=True)
+        )
+        return along_u, along_v
+
+
 @lru_cache(maxsize=64)
-def _stamp_plane(
-    size: int, band: Band, steepness: float
-) -> tuple[Float[Array, " u"], Float[Array, " v"], Float[Array, "u v"]]:
+def stamp_plane(size: int, band: Band, steepness: float = STEEPNESS) -> StampPlane:
+    """Return the cells of a stamp.
+
+    Parameters
+    ----------
+    size
+        Number of pixels along a side.
+    band
+        Baselines, and pixels.
+    steepness
+        Shape parameter of the taper beyond the band.
+    """
     u = fft.fftfreq(size, band.pixel).astype(np.float32)
     v = fft.rfftfreq(size, band.pixel).astype(np.float32)
-    distance = np.hypot(u[:, None], v[None, :])
-    return u, v, smooth_step(distance, band.longest, 0.5 / band.pixel, steepness)
+    taper = smooth_step(np.hypot(u[:, None], v[None, :]), band.longest, 0.5 / band.pixel, steepness)
+    reach = np.sum(taper > 0, axis=1)
+    return StampPlane(u, v, reach, taper[np.arange(len(v)) < reach[:, None]])
 
 
 def smooth_step(

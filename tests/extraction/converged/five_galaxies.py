@@ -10,7 +10,7 @@ from tests.skies import L_BAND, galaxies, random_baselines, vla
 from uvshear.constants import ARCSEC
 from uvshear.extraction.converged.beams import BeamPlan, gather_beams
 from uvshear.extraction.converged.change_image import ChangeImage
-from uvshear.extraction.converged.interaction import Interaction, PlacedSource
+from uvshear.extraction.converged.interaction import WINDOW, Interaction, PlacedSource
 from uvshear.extraction.converged.major_cycle import gather_residuals
 from uvshear.extraction.converged.plan import FacetRequests, plan_major_cycle
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
@@ -66,12 +66,17 @@ class FiveGalaxies:
 
     def after(self, sky):
         """Return the image of the change of the first galaxy."""
-        interaction = self.interaction()
-        image = ChangeImage(interaction)
-        _, change = interaction.render(0, self.source(SKY, 0), self.source(sky, 0))
+        image = ChangeImage(self.interaction())
+        _, change = self.rendered(0, SKY, sky)
         image.add(0, change)
         image.set_flux_changes(sky.flux - SKY.flux)
         return image
+
+    def rendered(self, k, before, after):
+        """Return the change of a source in units of the noise, and that of the image around it."""
+        image = np.empty((WINDOW, WINDOW), np.float32)
+        change = self.interaction().render(k, self.source(before, k), self.source(after, k), image)
+        return change, image
 
     def source(self, sky, k):
         offset = np.array([sky.l[k], sky.m[k]]) - self.plan.place[k] * self.plan.pixel

@@ -71,7 +71,7 @@ def test_what_was_added_and_taken_back_leaves_nothing(field):
     sky = CHANGES["flux"]
     image = field.after(sky)
     whole = np.linalg.norm(field.seen_in(image, 1))
-    _, back = field.interaction().render(0, field.source(sky, 0), field.source(SKY, 0))
+    _, back = field.rendered(0, sky, SKY)
     image.add(0, back)
     image.set_flux_changes(np.zeros(5))
     assert np.linalg.norm(field.seen_in(image, 1)) < 1e-5 * whole
@@ -83,7 +83,7 @@ def test_changes_of_several_sources_add_up(field):
     apart, together = [], ChangeImage(interaction)
     for k, sky in zip((0, 2), skies, strict=True):
         alone = ChangeImage(interaction)
-        _, change = interaction.render(k, field.source(SKY, k), field.source(sky, k))
+        _, change = field.rendered(k, SKY, sky)
         alone.add(k, change)
         together.add(k, change)
         apart.append(field.seen_in(alone, 1))
@@ -119,9 +119,7 @@ def test_a_copy_grows_by_itself(field):
     before = field.seen_in(image, 1)
     copy = image.copy()
     np.testing.assert_array_equal(field.seen_in(copy, 1), before)
-    _, more = field.interaction().render(
-        2, field.source(SKY, 2), field.source(SKY_WITHOUT_THIRD, 2)
-    )
+    _, more = field.rendered(2, SKY, SKY_WITHOUT_THIRD)
     copy.add(2, more)
     copy.set_flux_changes(np.ones(5))
     np.testing.assert_array_equal(field.seen_in(image, 1), before)

@@ -75,5 +75,5 @@ def test_the_interaction_of_a_band_ends_at_half_the_longest_baseline(field):
 @pytest.mark.parametrize("name", sorted(CHANGES))
 def test_a_change_is_told_in_units_of_the_noise(field, name):
     sky = CHANGES[name]
-    told, _ = field.interaction().render(0, field.source(SKY, 0), field.source(sky, 0))
+    told, _ = field.rendered(0, SKY, sky)
     assert told == pytest.approx(field.significance(sky), rel=0.02)

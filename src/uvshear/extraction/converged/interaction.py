@@ -24,15 +24,18 @@ from uvshear.imaging.bands import Band
 from uvshear.imaging.cutout import Cutout
 from uvshear.interferometer.facet import BeamPlane
 from uvshear.numerics.half_plane import HalfPlane, half_plane
-from uvshear.numerics.real_transforms import image_of
-from uvshear.predict.rendering import smooth_step, transform_on_stamp
-from uvshear.typing import Array, Complex, Float
+from uvshear.numerics.real_transforms import image_into
+from uvshear.predict import kernels
+from uvshear.predict.rendering import smooth_step, stamp_plane
+from uvshear.typing import Array, Float
 
 WINDOW = SIZE // 2
 """Side of the image of one change [coarse pixels]."""
 
 START, END = 0.25 * WINDOW, 0.47 * WINDOW
 """Distances between which the image is tapered to zero [coarse pixels]: 50 and 93 arcsec for SKA-Mid."""
+
+_ALTERNATING = (-1.0) ** np.arange(WINDOW).astype(np.float32)
 
 FAR = 2.7
 """Distance beyond which fluxes are not coupled, over ``END``: the plateau of SKA-Mid's beam is down to 1e-3 there."""
@@ -103,16 +106,32 @@ class Interaction:
         return self._far
 
     def render(
-        self, source: int, before: PlacedSource, after: PlacedSource
-    ) -> tuple[float, Float[Array, "l m"]]:
-        """Return the change of a source in units of the noise, and that of the dirty image around it."""
-        change = self._transform(after) - self._transform(before)
-        seen = change * self._beams.mixtures[source].mixed(self._spectrum)
-        # This is half of the plane: the column v = 0 counts once, as does the last.
-        product = (seen * change.conj()).real
-        power = 2 * product.sum(dtype=float) - product[:, [0, -1]].sum(dtype=float)
-        distance = math.sqrt(max(float(power), 0.0)) / WINDOW
-        return distance, image_of(seen, WINDOW)
+        self, source: int, before: PlacedSource, after: PlacedSource, image: Float[Array, "l m"]
+    ) -> float:
+        """Write the change of the dirty image around a source that changes.
+
+        Parameters
+        ----------
+        source
+            Number of the source.
+        before, after
+            Parameters of the source.
+        image
+            The change of the dirty image is written into it: a square of ``WINDOW`` coarse pixels.
+
+        Returns
+        -------
+        float
+            Change of the source in units of the noise.
+        """
+        plane = stamp_plane(WINDOW, self._band)
+        spectrum = np.empty((len(plane.u), len(plane.v)), np.complex64)
+        beam = self._beams.mixtures[source].mixed(self._spectrum)
+        power = kernels.plane_change(
+            self._seen(after), self._seen(before), plane.taper, plane.reach, beam, spectrum
+        )
+        image_into(spectrum, image)
+        return math.sqrt(max(float(power), 0.0)) / WINDOW
 
     def own_power(self, source: int) -> Float[Array, " cell"]:
         """Power of the beam with which the image holds a source's own change, on the cells of its facet."""
@@ -183,10 +202,18 @@ class Interaction:
         half = sparse.csr_matrix((value, (i, j)), shape=(count, count))
         return half + half.T
 
-    def _transform(self, source: PlacedSource) -> Complex[Array, "u v"]:
+    def _seen(self, source: PlacedSource) -> tuple[Array, Array, Array]:
+        """Return the envelope of a source, and its phases along both axes, the first times its flux."""
+        plane = stamp_plane(WINDOW, self._band)
         form = quadratic_form_of(source.ellipticity, source.scale_length)
-        spectrum = transform_on_stamp(form, source.offset, WINDOW, self._band, self._profile)
-        return spectrum * np.float32(source.flux)
+        along_u, along_v = plane.phases(source.offset)
+        envelope = self._profile.envelope(plane.argument(form))
+        # Alternating signs move the origin of the image to its centre.
+        return (
+            envelope,
+            along_u * (np.float32(source.flux) * _ALTERNATING),
+            along_v * _ALTERNATING[: len(along_v)],
+        )
 
     def _spectrum(self, beam: int) -> Float[Array, "u v"]:
         if beam not in self._spectra:

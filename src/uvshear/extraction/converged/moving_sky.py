@@ -96,8 +96,7 @@ class MovingSky:
         """Render the change of a source to a fit into a slot, and return it in units of the noise."""
         now = self._now
         before, after = (now.placed(source, state) for state in (now.fits[source], fit))
-        distance, self._rendered[slot] = now.interaction.render(source, before, after)
-        return distance
+        return now.interaction.render(source, before, after, self._rendered[slot])
 
     def adopt(self, fits: Mapping[int, GalaxyFit]) -> None:
         """Replace sources by their fits. The image of the changes, which copies of this sky see, stays as it is."""
