@@ -25,6 +25,7 @@ from uvshear.imaging.bands import (
 from uvshear.imaging.curvature import half_widths_of_bands
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.imaging.tiles import Footprint, plan_tiles
+from uvshear.imaging.uv_order import uv_order
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.samples import Samples
@@ -204,6 +205,7 @@ class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
 
     def add_block(self, samples: Samples) -> None:
         """Predict the models of a block, and image its data and its residuals."""
+        samples = samples.select(uv_order(samples.uvw))
         residual = samples.stokes_i
         if self._predict is not None:
             residual = residual - self._predict(samples)
@@ -326,6 +328,7 @@ def _tiled(sky: ModelledSky, shortest: float, longest: float, gridding: Gridding
         number = numbers_of_bands(bands, longest_seen(samples.uvw, slope))
         for b, (band, on_it) in enumerate(zip(bands, tiles, strict=True)):
             chosen = np.flatnonzero(number == b)
+            chosen = chosen[uv_order(samples.uvw[chosen])]
             if len(chosen):
                 part = samples.select(chosen)
                 model[chosen] = predict_samples(part, on_it, band, sky, gridding)

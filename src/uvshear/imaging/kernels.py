@@ -1,4 +1,4 @@
-"""Numba kernels that change the phase centre, over samples."""
+"""Numba kernels of images and of their samples."""
 
 from uvshear.compilation import compiled
 from uvshear.geometry.kernels import sine_cosine_of_turns
@@ -31,6 +31,15 @@ def to_tangent_plane(uvw, lmn1, surface, baselines, real, imaginary):  # type: i
         sine, cosine = sine_cosine_of_turns(u * l + v * m + w * n1)
         real[i] = cosine
         imaginary[i] = sine
+
+
+@compiled
+def number_squares(uvw, per_unit, side, square):  # type: ignore[no-untyped-def]
+    """Write the number of the square of the uv plane in which each sample lies; neighbours have the next number."""
+    for i in range(square.size):
+        row = min(int(uvw[i, 0] * per_unit + side / 2), side - 1)
+        column = min(int(uvw[i, 1] * per_unit + side / 2), side - 1)
+        square[i] = row * side + (side - 1 - column if row % 2 else column)
 
 
 @compiled

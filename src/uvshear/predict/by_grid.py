@@ -21,6 +21,7 @@ from uvshear.imaging.bands import Band, longest_seen, steepest
 from uvshear.imaging.grid import ImageGrid
 from uvshear.imaging.gridder import degrid
 from uvshear.imaging.tiles import Tile
+from uvshear.imaging.uv_order import uv_order
 from uvshear.numerics.fft_sizes import fast_size
 from uvshear.predict.direct import largest_flux, precision_within, predict_visibilities
 from uvshear.predict.rendering import Stamps, draw
@@ -118,6 +119,7 @@ def predict_by_grid(
     everything, flux = np.arange(len(galaxies)), largest_flux(galaxies, frequency)
     for band in _octaves(length, galaxies):
         rows = np.flatnonzero(band.holds(length))
+        rows = rows[uv_order(uvw[rows])]
         reach = float(w[rows].max(initial=0.0))
         least = (band.shortest - 2 * slope * reach) * float(frequency.min() / frequency.max())
         typical = float(np.sqrt(np.mean(w[rows] ** 2))) if len(rows) else 0.0

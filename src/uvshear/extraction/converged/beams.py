@@ -21,6 +21,7 @@ from scipy.spatial import cKDTree
 from uvshear.galaxy import Galaxies
 from uvshear.imaging.cutout import Cutout
 from uvshear.imaging.tangent import TangentPlane
+from uvshear.imaging.uv_order import uv_order
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
@@ -239,6 +240,7 @@ class BeamAccumulator(BlockAccumulator[Beams]):
     def add_block(self, samples: Samples) -> None:
         """Image the weights of a block for every beam."""
         plan, response, gridding = self._plan, self._response, self._gridding
+        samples = samples.select(uv_order(samples.uvw))
         unit = (samples.weights * response.gain(samples.frequency) ** 2).astype(np.complex64)
         self._add_short(samples, unit)
 

@@ -21,6 +21,7 @@ from uvshear.imaging.bands import Band
 from uvshear.imaging.interpolation import add_refined
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.imaging.tiles import Tile
+from uvshear.imaging.uv_order import uv_order
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
@@ -147,7 +148,11 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
         plan, sky, gridding = self._plan, self._sky, self._gridding
         number = plan.band_of(samples.uvw)
         bands = range(len(plan.bands) - 1, plan.top - 1, -1)
-        parts = {b: samples.select(np.flatnonzero(number == b)) for b in bands}
+        chosen = {b: np.flatnonzero(number == b) for b in bands}
+        orders = gridding.executor.map(lambda b: uv_order(samples.uvw[chosen[b]]), bands)
+        parts = {
+            b: samples.select(chosen[b][order]) for b, order in zip(bands, orders, strict=True)
+        }
         views = [_BandView(parts[b], plan.tiles[b], self._filters[b], plan.bands[b]) for b in bands]
         weighted = _weighted_residuals(views, sky, gridding)
         images_of_bands = _images(views, weighted, sky.response, gridding)
