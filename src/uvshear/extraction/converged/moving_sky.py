@@ -63,7 +63,7 @@ class MovingSky:
     def move(
         self, moves: Sequence[Move], crew: "SkyCrew", on_move: Callable[[], None] | None = None
     ) -> Float[Array, " source"]:
-        """Let sources move; return the change of each source in units of the noise.
+        """Let sources move; return the change of each source, or of the sum of those that move together [noise].
 
         Every fit sees the sky as it was before the call, unless more than ``SLOTS`` sources move: later ones then see
         the image, but not the fits, of earlier ones.
@@ -113,10 +113,14 @@ SkyCrew: TypeAlias = Crew[MovingSky]
 def _moved(sky: MovingSky, task: tuple[Move, tuple[int, ...]]) -> list[tuple[GalaxyFit, float]]:
     move, slots = task
     fits = move.find(sky.now)
-    return [
-        (fit, sky.render(slot, source, fit))
+    changes = [
+        sky.render(slot, source, fit)
         for slot, source, fit in zip(slots, move.sources, fits, strict=True)
     ]
+    if len(fits) > 1:
+        unit = list(move.sources)
+        changes = [sky.now.change_of_unit(unit, dict(zip(unit, fits, strict=True)))] * len(fits)
+    return list(zip(fits, changes, strict=True))
 
 
 def _batches(moves: Sequence[Move]) -> Iterator[list[Move]]:

@@ -37,12 +37,10 @@ def fit_in_turn(
     units = [unit for unit in everything if active[unit].any()]
     change = np.zeros(len(active))
     for level in neighbourhood.levels(units):
-        before = sky.now.fits
-        moves = [Move(unit, partial(_fit_unit, unit=unit, afresh=afresh)) for unit in level]
+        # Groups take longest: where they came last, all other workers would wait for them.
+        longest_first = sorted(level, key=len, reverse=True)
+        moves = [Move(unit, partial(_fit_unit, unit=unit, afresh=afresh)) for unit in longest_first]
         change += sky.move(moves, crew, on_fit)
-        for unit in level:
-            if len(unit) > 1:
-                change[unit] = sky.now.change_of_unit(unit, before)
     return change
 
 
