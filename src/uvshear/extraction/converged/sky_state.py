@@ -13,13 +13,14 @@ from uvshear.extraction.converged.couplings import Couplings
 from uvshear.extraction.converged.interaction import Interaction, PlacedSource
 from uvshear.extraction.converged.major_cycle import Facets, MajorCycle
 from uvshear.extraction.converged.neighbourhood import Neighbourhood
+from uvshear.extraction.converged.own_models import with_own_models
 from uvshear.extraction.converged.sources import ModelledSource
 from uvshear.galaxy import Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.normal_equations import NormalEquations
 from uvshear.shapes.template import Template
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Float
 
 Fits = tuple[GalaxyFit, ...]
 """Fit of each modelled source, with its flux in the unit of the facets."""
@@ -86,12 +87,6 @@ class SkyState:
     ) -> Self:
         """Begin with the sky that a major cycle has subtracted, and with a linearisation where one is known."""
         interaction = Interaction(cycle.plan, cycle.beams, sources[0].profile)
-
-        def put_back(k: int) -> Complex[Array, " cell"]:
-            cutout = cycle.plan.cutouts[k]
-            left = cycle.beams.power(k, cutout) - interaction.own_power(k)
-            return cycle.residuals[k] + left * sources[k].model(subtracted[k], cutout.uv)
-
         scale_length = np.array(
             [
                 max(source.expected.scale_length, fit.scale_length)
@@ -103,7 +98,7 @@ class SkyState:
             sources=tuple(sources),
             fits=tuple(subtracted),
             subtracted=tuple(subtracted),
-            facets=tuple(executor.map(put_back, range(len(sources)))),
+            facets=with_own_models(cycle, interaction, sources, subtracted, executor),
             image=ChangeImage(interaction),
             interaction=interaction,
             neighbourhood=Neighbourhood.from_sizes(cycle.plan.centres, flux, scale_length),
