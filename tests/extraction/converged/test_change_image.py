@@ -67,6 +67,25 @@ def test_own_power_puts_back_what_the_image_takes_from_a_sources_own_facet(case)
     assert np.linalg.norm(taken + put_back) < 6e-4 * np.linalg.norm(put_back)
 
 
+def test_the_strips_of_a_change_are_the_whole_change(field):
+    _, change = field.rendered(0, SKY, CHANGES["size"])
+    whole, strips = ChangeImage(field.interaction()), ChangeImage(field.interaction())
+    for k in range(5):
+        whole.add(k, change)
+    for strip in range(40):
+        for k in range(5):
+            if strip in whole.strips_of(k):
+                strips.add_to_strip(strip, k, change)
+    np.testing.assert_array_equal(strips._pixels, whole._pixels)
+    rows = {len(whole.strips_of(k)) for k in range(5)}
+    assert rows <= {1, 2}
+    # Five changes without loss, although some lie on top of one another.
+    total = float(np.sum(whole._pixels, dtype=float))
+    assert total == pytest.approx(
+        5 * float(np.sum(change, dtype=float)), abs=1e-3 * float(np.abs(change).sum())
+    )
+
+
 def test_what_was_added_and_taken_back_leaves_nothing(field):
     sky = CHANGES["flux"]
     image = field.after(sky)

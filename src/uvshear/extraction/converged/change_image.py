@@ -48,8 +48,19 @@ class ChangeImage:
 
     def add(self, source: int, change: Float[Array, "l m"]) -> None:
         """Add the rendered change of a source."""
+        for strip in self.strips_of(source):
+            self.add_to_strip(strip, source, change)
+
+    def strips_of(self, source: int) -> range:
+        """Numbers of the strips of ``WINDOW`` rows to which the change of a source is added."""
+        first = int(self._places[source][0] - self._origin[0]) - WINDOW // 2
+        return range(first // WINDOW, (first + WINDOW - 1) // WINDOW + 1)
+
+    def add_to_strip(self, strip: int, source: int, change: Float[Array, "l m"]) -> None:
+        """Add the rows of a change that lie in one strip; different strips may be added to at the same time."""
         i, j = self._places[source] - self._origin - WINDOW // 2
-        self._pixels[i : i + WINDOW, j : j + WINDOW] += change
+        first, last = max(i, strip * WINDOW), min(i + WINDOW, (strip + 1) * WINDOW)
+        self._pixels[first:last, j : j + WINDOW] += change[first - i : last - i]
 
     def set_flux_changes(self, changes: Float[Array, " source"]) -> None:
         """Set the change of every source's flux since the last major cycle [Jy]."""

@@ -18,6 +18,9 @@ SLOTS = 512
 """Largest number of rendered changes that wait to be added to the image; they occupy at most 250 MB. It does not depend
 on the workers, so that every fit sees the same image whatever their number."""
 
+FEW = 16
+"""Number of changes, counted by strip, that this process adds itself: they take two milliseconds."""
+
 Find: TypeAlias = "Callable[[SkyState], list[GalaxyFit]]"
 """Finds new fits of some sources; it is picklable."""
 
@@ -74,7 +77,8 @@ class MovingSky:
         after = dict[int, GalaxyFit]()
         change = np.zeros(len(self._now.fits))
         for batch in _batches(moves):
-            tasks, slots = [], iter(range(SLOTS))
+            tasks: list[_Task] = []
+            slots = iter(range(SLOTS))
             for move in batch:
                 tasks.append((move, tuple(islice(slots, len(move.sources)))))
             for (move, _), found in zip(tasks, crew.map(_moved, tasks), strict=True):
@@ -82,15 +86,33 @@ class MovingSky:
                     after[source], change[source] = fit, distance
                 if on_move is not None:
                     on_move()
-            for move, taken in tasks:
-                for source, slot in zip(move.sources, taken, strict=True):
-                    self._now.image.add(source, self._rendered[slot])
+            self._add_rendered(tasks, crew)
         self.adopt(after)
         now = self._now
         changes = [new.flux - old.flux for new, old in zip(now.fits, now.subtracted, strict=True)]
         now.image.set_flux_changes(np.array(changes))
         crew.tell(MovingSky.adopt, after)
         return change
+
+    def _add_rendered(self, tasks: "Sequence[_Task]", crew: "SkyCrew") -> None:
+        """Add the changes to the image: strips of it side by side, and the changes of each strip in their order."""
+        strips: dict[int, _Placed] = {}
+        for move, taken in tasks:
+            for source, slot in zip(move.sources, taken, strict=True):
+                for strip in self._now.image.strips_of(source):
+                    strips.setdefault(strip, []).append((source, slot))
+        if sum(map(len, strips.values())) < FEW:
+            for each in strips.items():
+                self.add_to_strip(each)
+            return
+        for _ in crew.map(MovingSky.add_to_strip, sorted(strips.items())):
+            pass
+
+    def add_to_strip(self, strip: "tuple[int, _Placed]") -> None:
+        """Add rendered changes, given by their sources and slots, to one strip of the image, which copies share."""
+        number, placed = strip
+        for source, slot in placed:
+            self._now.image.add_to_strip(number, source, self._rendered[slot])
 
     def render(self, slot: int, source: int, fit: GalaxyFit) -> float:
         """Render the change of a source to a fit into a slot, and return it in units of the noise."""
@@ -109,8 +131,14 @@ class MovingSky:
 SkyCrew: TypeAlias = Crew[MovingSky]
 """Workers that fit the sources of a sky."""
 
+_Task: TypeAlias = tuple[Move, tuple[int, ...]]
+"""A move, and the slots of its sources."""
 
-def _moved(sky: MovingSky, task: tuple[Move, tuple[int, ...]]) -> list[tuple[GalaxyFit, float]]:
+_Placed: TypeAlias = list[tuple[int, int]]
+"""Sources and the slots with their changes."""
+
+
+def _moved(sky: MovingSky, task: _Task) -> list[tuple[GalaxyFit, float]]:
     move, slots = task
     fits = move.find(sky.now)
     changes = [
