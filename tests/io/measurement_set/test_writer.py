@@ -1,5 +1,8 @@
 """Writing Measurement Sets."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 from casacore import measures, quanta, tables
@@ -9,6 +12,7 @@ from uvshear.errors import InputError
 from uvshear.execution import in_threads
 from uvshear.interferometer.stokes import Hands
 from uvshear.io import outputs
+from uvshear.io.measurement_set import writer
 from uvshear.io.measurement_set.writer import write_measurement_set
 from uvshear.simulation import observation as observation_module
 
@@ -69,6 +73,47 @@ def test_constant_columns_have_their_value_in_every_row(path):
             assert set(main.getcol(column)) == {0}
         for column in ("OBSERVATION_ID", "PROCESSOR_ID", "STATE_ID"):
             assert set(main.getcol(column)) == {0}
+
+
+def test_it_is_the_set_that_casacore_writes_with_open_shapes_byte_for_byte(
+    path, tmp_path, monkeypatch
+):
+    def create(path, observation):
+        writer._create(path, observation, writer.SAME_SHAPE_COLUMNS)
+
+    monkeypatch.setattr(writer, "_create_twice", create)
+    monkeypatch.setattr(Path, "write_bytes", lambda *_: None)
+    slowly = written(tmp_path)
+    names = sorted(str(file.relative_to(path)) for file in path.rglob("*") if file.is_file())
+    assert names == sorted(
+        str(file.relative_to(slowly)) for file in slowly.rglob("*") if file.is_file()
+    )
+    for name in set(names) - {"table.lock"}:
+        # Names of columns' hypercubes have a time; HISTORY has the time of writing.
+        if not name.startswith("HISTORY"):
+            assert (path / name).read_bytes() == (slowly / name).read_bytes(), name
+
+
+def test_it_can_be_read_without_its_lock_file(path, tmp_path):
+    copy = shutil.copytree(path, tmp_path / "copy.ms")
+    with _table(path) as main:
+        rows = main.nrows()
+    (copy / "table.lock").unlink()
+    with _table(copy) as main:
+        assert main.nrows() == rows
+        assert main.getcell("DATA", rows - 1).ndim == 2
+
+
+def test_cells_of_another_shape_can_be_added(path, tmp_path):
+    copy = shutil.copytree(path, tmp_path / "longer.ms")
+    with tables.table(str(copy), ack=False, readonly=False) as main:
+        rows = main.nrows()
+        before = main.getcell("DATA", rows - 1)
+        main.addrows(1)
+        main.putcell("DATA", rows, np.ones((7, 4), np.complex64))
+    with _table(copy) as main:
+        np.testing.assert_array_equal(main.getcell("DATA", rows), np.ones((7, 4)))
+        np.testing.assert_array_equal(main.getcell("DATA", rows - 1), before)
 
 
 def test_bulky_columns_are_tiled(path):

@@ -1,7 +1,8 @@
 """Write a simulated observation as a Measurement Set that wsclean, CASA and casacore open."""
 
 import math
-from collections.abc import Callable, Iterator
+import shutil
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
@@ -21,6 +22,9 @@ from uvshear.simulation.observation import CorrelationBlock, SimulatedObservatio
 
 TILE_BYTES: Final = 2**20
 """Size of a tile of each column, which is the least that a reader reads."""
+
+DESCRIPTION: Final = "table.dat"
+"""File with the description of a table: its columns, where their values are stored, its keywords and its rows."""
 
 OTHER_BYTES: Final = 40
 """Bytes of a row in columns that are not tiled (24), and its share of the subtables."""
@@ -44,12 +48,14 @@ CONSTANT_COLUMNS: Final = (
 )
 """Columns with the same value in all rows, stored once."""
 
+REPEATED_COLUMNS: Final = ("TIME", "TIME_CENTROID", "ANTENNA1")
+"""Columns with the same value in many rows one after the other, stored once for all of them."""
+
 SAME_SHAPE_COLUMNS: Final = ("UVW", "WEIGHT", "SIGMA")
 """Tiled columns whose description fixes the shape of the cells.
 
 The shape of the others depends on the number of channels, and is left open: where it was fixed, CASA's concat appended
-a set with another number of channels without its visibilities, and without a warning. An open shape costs 2 us for
-each row that is written, and nothing when it is read.
+a set with another number of channels without its visibilities, and without a warning.
 """
 
 
@@ -84,13 +90,14 @@ def write_measurement_set(
     require_space(target, _size(observation))
     with _casacore_errors(target), new_outputs(target) as outputs:
         unfinished = outputs.new(target, overwrite=overwrite)
-        _create(unfinished, observation)
+        description = _create_twice(unfinished, observation)
         write_subtables(unfinished, observation, hands)
         with written(tables.table(str(unfinished), readonly=False, ack=False)) as main:
             for block in observation.blocks(executor):
                 _write_block(main, observation.coverage, block)
                 if progress is not None:
                     progress(block.first_row + len(block), len(observation.coverage))
+        (unfinished / DESCRIPTION).write_bytes(description)
 
 
 def _size(observation: SimulatedObservation) -> float:
@@ -134,26 +141,42 @@ def _tiled(observation: SimulatedObservation) -> dict[str, tuple[Any, str, list[
     }
 
 
-def _create(path: Path, observation: SimulatedObservation) -> None:
-    """Create an empty Measurement Set with tiled columns, of the right number of rows."""
+def _create_twice(path: Path, observation: SimulatedObservation) -> bytes:
+    """Create an empty Measurement Set whose shapes are all fixed, and return its description with open shapes.
+
+    casacore takes 0.3 us for each cell of open shape that is written, and hardly anything for one of fixed shape. The
+    cells are stored in the same way, byte for byte: the sets differ in their descriptions alone.
+    """
+    _create(path, observation, SAME_SHAPE_COLUMNS)
+    description = (path / DESCRIPTION).read_bytes()
+    shutil.rmtree(path)
+    _create(path, observation, tuple(_tiled(observation)))
+    return description
+
+
+def _create(path: Path, observation: SimulatedObservation, fixed: Sequence[str]) -> None:
+    """Create an empty Measurement Set with tiled columns, of the right number of rows.
+
+    The description fixes the shape of the cells of the columns in ``fixed``.
+    """
     tiled = _tiled(observation)
     description, managers = tables.required_ms_desc("MAIN"), {}
     for name, (example, kind, shape, item_bytes) in tiled.items():
         managers[f"Tiled{name}"] = _tiled_manager(
             name, shape, item_bytes, len(observation.coverage)
         )
-        if name in SAME_SHAPE_COLUMNS:
-            description[name] |= {"option": 5, "shape": shape, "ndim": len(shape)}
-        elif name not in description:
+        if name not in description:
             column = tables.makearrcoldesc(
                 name, example, ndim=len(shape), valuetype=kind, comment="One value a sample"
             )
             description |= tables.maketabdesc(column)
-    managers["Constant"] = {
-        "TYPE": "IncrementalStMan",
-        "NAME": "Constant",
-        "COLUMNS": list(CONSTANT_COLUMNS),
-    }
+        if name in SAME_SHAPE_COLUMNS:
+            description[name] |= {"option": 5, "shape": shape, "ndim": len(shape)}
+        elif name in fixed:
+            description[name] |= {"option": 4, "shape": shape, "ndim": len(shape)}
+    once = {"Constant": CONSTANT_COLUMNS} | {name: (name,) for name in REPEATED_COLUMNS}
+    for name, columns in once.items():
+        managers[name] = {"TYPE": "IncrementalStMan", "NAME": name, "COLUMNS": list(columns)}
     for name, manager in managers.items():
         for column in manager["COLUMNS"]:
             description[column] |= {
