@@ -34,6 +34,41 @@ def to_tangent_plane(uvw, lmn1, surface, baselines, real, imaginary):  # type: i
 
 
 @compiled
+def add_times_series(w, scale, series, vis, total):  # type: ignore[no-untyped-def]
+    """Add ``vis`` times a sum of Chebyshev polynomials of ``scale`` w, with complex coefficients ``series``."""
+    real, imaginary = series.real, series.imag
+    for i in range(vis.size):
+        x = 2 * scale * w[i]
+        # The recurrence of Clenshaw.
+        a = b = c = d = 0.0
+        for k in range(series.size - 1, 0, -1):
+            a, b = real[k] + x * a - b, a
+            c, d = imaginary[k] + x * c - d, c
+        p = real[0] + x / 2 * a - b
+        q = imaginary[0] + x / 2 * c - d
+        total[i] += complex(p * vis[i].real - q * vis[i].imag, p * vis[i].imag + q * vis[i].real)
+
+
+@compiled
+def add_times_polynomial(coefficients, part, total):  # type: ignore[no-untyped-def]
+    """Add an image times a polynomial of t, which is -1 at the pixel (size // 2, size // 2) and 1 in the corners.
+
+    The distance from that pixel, squared, is proportional to t + 1.
+    """
+    size = part.shape[0]
+    half, powers = size // 2, coefficients.astype(part.dtype)
+    unit = 4.0 / size**2
+    for i in range(size):
+        first, own, into = unit * (i - half) ** 2 - 1, part[i], total[i]
+        for j in range(size):
+            t = powers.dtype.type(first + unit * (j - half) ** 2)
+            value = powers[-1]
+            for k in range(powers.size - 2, -1, -1):
+                value = value * t + powers[k]
+            into[j] += value * own[j]
+
+
+@compiled
 def number_squares(uvw, per_unit, side, square):  # type: ignore[no-untyped-def]
     """Write the number of the square of the uv plane in which each sample lies; neighbours have the next number."""
     for i in range(square.size):

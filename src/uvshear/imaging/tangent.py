@@ -1,6 +1,5 @@
 """Imaging in the plane tangent at a direction, where w hardly matters: the image of a tile, and its adjoint."""
 
-import math
 from dataclasses import dataclass
 from typing import Self
 
@@ -12,10 +11,11 @@ from uvshear.imaging.curvature import mean_curvature, touching_point
 from uvshear.imaging.grid import ImageGrid
 from uvshear.imaging.gridder import degrid, grid
 from uvshear.imaging.kernels import to_tangent_plane
+from uvshear.imaging.w_terms import WTerms
 from uvshear.typing import Array, Complex, Float
 
-NEGLIGIBLE_PHASE = 0.01
-"""Phase pi w x^2 in the corner of a tile below which all baselines are assumed to lie in one plane [rad]."""
+COARSEST = 1e-2
+"""Largest relative error of the gridder for terms of w that contribute little."""
 
 IN_WAVELENGTHS = np.array([SPEED_OF_LIGHT])
 """Frequency at which a baseline of one metre is one wavelength long [Hz]."""
@@ -82,15 +82,16 @@ class TangentPlane:
         epsilon
             Relative error of the gridder.
         """
-        phased = vis * self.phase.conj()
-        return grid(
-            self.baselines,
-            IN_WAVELENGTHS,
-            phased[:, None].astype(np.complex64, copy=False),
-            ImageGrid(size, pixel),
-            epsilon=epsilon,
-            with_w=self._needs_w(size * pixel / 2),
-        )
+        phased = (vis * self.phase.conj()).astype(np.complex64, copy=False)
+        pixels, w = ImageGrid(size, pixel), self.baselines[:, 2]
+        terms = WTerms.within(w, pixels, epsilon)
+        if terms is None:
+            return self._grid(phased, pixels, epsilon, with_w=True)
+        total = np.zeros((size, size), np.float32)
+        for k, weight in enumerate(terms.weight.tolist()):
+            part = self._grid(terms.weighted(k, w, phased), pixels, _relaxed(epsilon, weight))
+            terms.add_image(k, part, total)
+        return total
 
     def beam(
         self, weights: Complex[Array, " sample"], size: int, pixel: float, epsilon: float
@@ -108,29 +109,46 @@ class TangentPlane:
         epsilon
             Relative error of the gridder.
         """
-        return grid(
-            self.baselines,
-            IN_WAVELENGTHS,
-            weights[:, None],
-            ImageGrid(size, pixel),
-            epsilon=epsilon,
-            with_w=False,
-        )
+        return self._grid(weights, ImageGrid(size, pixel), epsilon)
 
     def visibilities(
         self, image: Float[Array, "l m"], pixel: float, epsilon: float
     ) -> Complex[Array, " sample"]:
         """Sum of image exp(+2 pi i (u l + v m + w (n-1))), the adjoint of :meth:`image`."""
-        vis = degrid(
-            self.baselines,
-            IN_WAVELENGTHS,
-            image,
-            ImageGrid(len(image), pixel),
-            epsilon=epsilon,
-            with_w=self._needs_w(len(image) * pixel / 2),
-        )
-        return vis[:, 0] * self.phase
+        pixels, w = ImageGrid(len(image), pixel), self.baselines[:, 2]
+        terms = WTerms.within(w, pixels, epsilon)
+        if terms is None:
+            return self._degrid(image, pixels, epsilon, with_w=True) * self.phase
+        total = np.zeros(len(w), np.complex64)
+        for k, weight in enumerate(terms.weight.tolist()):
+            part = self._degrid(terms.image(k, image), pixels, _relaxed(epsilon, weight))
+            terms.add_weighted(k, w, part, total)
+        return total * self.phase
 
-    def _needs_w(self, half_width: float) -> bool:
-        w_max = float(np.abs(self.baselines[:, 2]).max(initial=0.0))
-        return math.pi * w_max * 2 * half_width**2 > NEGLIGIBLE_PHASE
+    def _grid(
+        self,
+        vis: Complex[Array, " sample"],
+        image: ImageGrid,
+        epsilon: float,
+        *,
+        with_w: bool = False,
+    ) -> Float[Array, "l m"]:
+        return grid(
+            self.baselines, IN_WAVELENGTHS, vis[:, None], image, epsilon=epsilon, with_w=with_w
+        )
+
+    def _degrid(
+        self,
+        pixels: Float[Array, "l m"],
+        image: ImageGrid,
+        epsilon: float,
+        *,
+        with_w: bool = False,
+    ) -> Complex[Array, " sample"]:
+        vis = degrid(self.baselines, IN_WAVELENGTHS, pixels, image, epsilon=epsilon, with_w=with_w)
+        return vis[:, 0]
+
+
+def _relaxed(epsilon: float, weight: float) -> float:
+    """Relative error that a term of this weight may have."""
+    return min(epsilon / weight, max(epsilon, COARSEST)) if weight > 0 else COARSEST

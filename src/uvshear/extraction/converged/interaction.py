@@ -80,6 +80,7 @@ class Interaction:
         self._plan, self._beams, self._profile = plan, beams, profile
         self._band = Band(0.0, plan.bands[0].longest / 2, 2 * plan.pixel)
         self._far = self._far_couplings()
+        self._endings: dict[int, Float[Array, "l m"]] = {}
         self._spectra: dict[int, Float[Array, "u v"]] = {}
         self._planes: dict[tuple[int, float], Float[Array, " cell"]] = {}
         self._half_planes: dict[float, HalfPlane] = {}
@@ -168,7 +169,9 @@ class Interaction:
         return own
 
     def _ending(self, beam: int) -> Float[Array, "l m"]:
-        return self._beams.ending(beam, 2 * START, 2 * END)
+        if beam not in self._endings:
+            self._endings[beam] = self._beams.ending(beam, 2 * START, 2 * END)
+        return self._endings[beam]
 
     def _plane(self, source: int, longest: float) -> BeamPlane:
         of_beam = partial(self._plane_power, longest)
