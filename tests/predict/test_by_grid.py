@@ -12,7 +12,7 @@ from uvshear.galaxy import Exponential, Gaussian, Sersic
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
-from uvshear.predict import by_grid, predict_visibilities
+from uvshear.predict import by_grid, drawable, predict_visibilities
 from uvshear.predict.by_grid import predict_by_grid
 
 CHANNELS = np.array([1.05e9, 1.2e9, 1.4e9])
@@ -28,7 +28,7 @@ def uvw():
 @pytest.fixture
 def _always_images(monkeypatch):
     """Images for all octaves but those whose images would be huge."""
-    monkeypatch.setattr(by_grid, "_SUM", 1e5)
+    monkeypatch.setattr(drawable, "_SUM", 1e5)
 
 
 def _sky(width, number=60, seed=4, centre=(0.0, 0.0)):
@@ -75,7 +75,7 @@ def test_every_source_has_its_spectrum(uvw):
 
 
 def test_galaxies_that_are_too_bright_or_too_large_are_summed(uvw, monkeypatch):
-    monkeypatch.setattr(by_grid, "_SUM", 1e5)
+    monkeypatch.setattr(drawable, "_SUM", 1e5)
     sky = _sky(0.004)
     flux, size = sky.flux.copy(), sky.scale_length.copy()
     flux[3], size[5] = 1.0, 40 * ARCSEC
@@ -84,7 +84,7 @@ def test_galaxies_that_are_too_bright_or_too_large_are_summed(uvw, monkeypatch):
     error = 1e-8
     assert _rms(predict_by_grid(sky, uvw, CHANNELS[:1], error) - exact) < error
     # Images of the bright one alone would be wrong by more.
-    monkeypatch.setattr(by_grid, "_suited", lambda galaxies, *_: np.array([3]))
+    monkeypatch.setattr(by_grid, "suited", lambda galaxies, *_: np.array([3]))
     assert _rms(predict_by_grid(sky, uvw, CHANNELS[:1], error) - exact) > 5 * error
 
 

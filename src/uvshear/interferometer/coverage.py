@@ -152,7 +152,10 @@ def synthesise(layout: ArrayLayout, track: Track) -> Coverage:
     hour_angle = _samples_above_limit(layout, track)
     uvw = antenna_uvw(layout.positions, hour_angle - layout.longitude, track.phase_centre.dec)
     first, second = np.triu_indices(len(layout), k=1)
-    baselines = uvw[:, first] - uvw[:, second]
+    baselines = np.empty((len(uvw), len(first), 3))
+    # One time at a time, which is in the processor's cache.
+    for antennas, own in zip(uvw, baselines, strict=True):
+        np.subtract(antennas[first], antennas[second], out=own)
     time = transit_time(layout.longitude, track.phase_centre.ra) + hour_angle / EARTH_ROTATION
     return Coverage(
         layout=layout,
