@@ -55,6 +55,7 @@ class Correlator:
         self._centred = self._origin
         self._q = np.empty(self._x.size, dtype)
         self.centre = np.zeros(2)
+        self._widths: dict[float, float] = {}
 
     def move_to(self, centre: Float[Array, " 2"]) -> None:
         """Put the origin of positions at ``centre``, relative to the centre of the facet in units of ``length``."""
@@ -62,6 +63,17 @@ class Correlator:
         self._displace(self._x, self._y, centre[0], centre[1], *self._origin, real, imaginary)
         self._centred = (real, imaginary)
         self.centre = np.array(centre, float)
+
+    def peak_width(self, log_scale_length: float) -> float:
+        """Gaussian sigma of the autocorrelation of a round galaxy of this size, which no data enter."""
+        if log_scale_length not in self._widths:
+            form = self.form(0j, log_scale_length)
+            sums = self.normal_sums(form, np.zeros((3, 3)))
+            norm, curvature = sums.norm, float(np.trace(sums.position_curvature))
+            is_known = norm > 0 and curvature > 0
+            width = math.sqrt(2 * norm / curvature) if is_known else 1.0
+            self._widths[log_scale_length] = width
+        return self._widths[log_scale_length]
 
     def point_at(self, position: Float[Array, " 2"]) -> tuple[float, Float[Array, " 2"]]:
         """<d, m> of a point of unit flux, and its gradient.

@@ -84,11 +84,7 @@ def search_radius(correlator: Correlator, prior: ShapePrior) -> float:
 
 def peak_width(correlator: Correlator, prior: ShapePrior) -> float:
     """Gaussian sigma of the autocorrelation of a round galaxy of median size."""
-    form = correlator.form(0j, prior.log_scale_length)
-    sums = correlator.normal_sums(form, np.zeros((3, 3)))
-    norm, ((xx, _), (_, yy)) = sums.norm, sums.position_curvature.tolist()
-    curvature = xx + yy
-    return math.sqrt(2 * norm / curvature) if norm > 0 and curvature > 0 else 1.0
+    return correlator.peak_width(prior.log_scale_length)
 
 
 def shape_covariance(best: BestFit) -> Float[Array, "3 3"]:

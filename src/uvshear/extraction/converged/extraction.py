@@ -165,7 +165,8 @@ class ConvergedExtraction(Extraction):
             # The first step, from the catalogue, tells nothing of those near the maximum of the likelihood.
             if history:
                 cycles.append(Cycle.from_state(state, modelled.expected))
-            history = history.with_cycle(state.change_since(state.subtracted), moves)
+            change = state.change_since(state.subtracted, executor)
+            history = history.with_cycle(change, moves)
             if history.is_diverging and baselines.limit > 0:
                 return None
             is_last = history.left_undone < self.tolerance or len(history) >= self.most_major_cycles

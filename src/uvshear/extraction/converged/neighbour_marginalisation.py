@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -79,16 +80,26 @@ def marginalise_neighbours(
     return NeighbourMarginalisation(conditional, marginal, (conditional - marginal) @ pull)
 
 
-def marginalise_all(
-    state: SkyState, chosen: Sequence[int]
-) -> list[NeighbourMarginalisation | None]:
-    """Marginalise the neighbours of each chosen source; None for a source that has none near."""
-    if state.linearisation is None:
-        return [None] * len(chosen)
-    equations, couplings = state.linearisation.equations, state.linearisation.couplings
-    blocks = CouplingBlocks(couplings, np.array([fit.flux for fit in state.fits]))
+@dataclass(frozen=True)
+class NeighbourMarginaliser:
+    """Marginalises the neighbours of each source of a sky about which the log posterior is known to second order."""
 
-    def marginalise(source: int) -> NeighbourMarginalisation | None:
+    state: SkyState
+    equations: Sequence[NormalEquations]
+    blocks: CouplingBlocks
+
+    @classmethod
+    def from_state(cls, state: SkyState) -> Self | None:
+        """Prepare for all sources of a sky; None where there was no joint step."""
+        if state.linearisation is None:
+            return None
+        flux = np.array([fit.flux for fit in state.fits])
+        blocks = CouplingBlocks(state.linearisation.couplings, flux)
+        return cls(state, state.linearisation.equations, blocks)
+
+    def marginalise(self, source: int) -> NeighbourMarginalisation | None:
+        """Marginalise the neighbours of a source; None where it has none near."""
+        state = self.state
         if state.fits[source].snr <= 0:
             return None
         near = state.neighbourhood.nearest_to(source)
@@ -98,6 +109,4 @@ def marginalise_all(
         prior, fit = state.sources[source].prior, state.fits[source]
         (pull, precision), (own_pull, own_precision) = prior.pull(fit), prior.measured.pull(fit)
         sky_prior = pull - own_pull, precision - own_precision
-        return marginalise_neighbours(source, others, equations, blocks, sky_prior)
-
-    return [marginalise(source) for source in chosen]
+        return marginalise_neighbours(source, others, self.equations, self.blocks, sky_prior)

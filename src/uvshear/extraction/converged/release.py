@@ -38,7 +38,7 @@ def release(
     for _ in range(RELEASES):
         before = now.fits
         now, _ = run_minor_cycle(now, tolerance, executor, on_fit, afresh=False)
-        moves.append(rms(now.change_since(before)))
+        moves.append(rms(now.change_since(before, executor)))
     first, second = moves[-2:]
     # Moves that do not shrink tell of no end.
     far = min(second / (first - second), FARTHEST_AHEAD) if second < first else 0.0

@@ -1,7 +1,7 @@
 """The shapes of all galaxies of a converged sky: posteriors, with the neighbours marginalised."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from uvshear.execution import Executor
@@ -9,7 +9,7 @@ from uvshear.extraction.converged.history import History
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.neighbour_marginalisation import (
     NeighbourMarginalisation,
-    marginalise_all,
+    NeighbourMarginaliser,
 )
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.shapes.measurement import FitFlag, ShapeMeasurement
@@ -29,10 +29,9 @@ def measure_shapes(
 ) -> Mapping[int, ShapeMeasurement]:
     """Sample the posterior of every galaxy; the results are by index of the catalogue, in its fluxes."""
     galaxies = modelled.galaxies
-    remaining = _remaining_changes(state, history)
-    neighbours = dict(zip(galaxies, marginalise_all(state, galaxies), strict=True))
-
-    subject = _Measured(state, modelled, remaining, neighbours)
+    unit_of = {source: unit for unit in state.neighbourhood.units for source in unit}
+    marginaliser = NeighbourMarginaliser.from_state(state)
+    subject = _Measured(state, modelled, history, marginaliser, unit_of)
     measurements = {}
     shapes = executor.distribute(_measure_one, subject, galaxies)
     for k, shape in zip(galaxies, shapes, strict=True):
@@ -44,19 +43,28 @@ def measure_shapes(
 
 @dataclass(frozen=True)
 class _Measured:
-    """What the shapes of all galaxies are measured from."""
+    """What the shapes of all galaxies are measured from; ``unit_of`` gives the sources that are fitted with each."""
 
     state: SkyState
     modelled: ModelledField
-    remaining: Sequence[RemainingChange]
-    neighbours: Mapping[int, NeighbourMarginalisation | None]
+    history: History
+    marginaliser: NeighbourMarginaliser | None
+    unit_of: Mapping[int, list[int]]
+
+    def remaining_change(self, k: int) -> RemainingChange:
+        """Return what another major cycle would change, judging by what the last one changed."""
+        state, history = self.state, self.history
+        change = history.shrinkage * state.change_of_unit(self.unit_of[k], state.subtracted)
+        step = state.fits[k].ellipticity - state.subtracted[k].ellipticity
+        return RemainingChange(change, history.left_to_the_limit * step)
 
 
 def _measure_one(subject: _Measured, k: int) -> ShapeMeasurement:
-    modelled = subject.modelled
+    modelled, marginaliser = subject.modelled, subject.marginaliser
     correction = float(modelled.field.weight_correction[modelled.field.modelled[k]])
-    shape = _measure(subject.state, k, subject.neighbours[k], correction)
-    return with_remaining_change(shape, subject.remaining[k])
+    neighbours = None if marginaliser is None else marginaliser.marginalise(k)
+    shape = _measure(subject.state, k, neighbours, correction)
+    return with_remaining_change(shape, subject.remaining_change(k))
 
 
 def _measure(
@@ -87,16 +95,6 @@ def _measure(
     conditional = neighbours.conditional / weight_correction
     marginal = neighbours.marginal / weight_correction
     return with_neighbours_marginalised(shape, conditional, marginal, neighbours.shift, fraction)
-
-
-def _remaining_changes(state: SkyState, history: History) -> list[RemainingChange]:
-    """Return what another major cycle would change, judging by what the last one changed."""
-    change = history.shrinkage * state.change_since(state.subtracted)
-    further = history.left_to_the_limit
-    return [
-        RemainingChange(float(model), further * (now.ellipticity - before.ellipticity))
-        for model, now, before in zip(change, state.fits, state.subtracted, strict=True)
-    ]
 
 
 def _in_catalogue_flux(
