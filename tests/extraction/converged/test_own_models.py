@@ -6,7 +6,7 @@ import pytest
 from tests.extraction.converged.five_galaxies import SKY, before_a_vla
 from tests.reference import plane
 from tests.shapes.facets import EXPONENTIAL, PRIOR
-from uvshear.execution import SERIAL, in_copies, in_threads
+from uvshear.execution import SERIAL, Copies, Processes, Threads
 from uvshear.extraction.converged.major_cycle import MajorCycle
 from uvshear.extraction.converged.own_models import AT_A_TIME, with_own_models
 from uvshear.extraction.converged.sources import GalaxySource
@@ -43,7 +43,7 @@ def test_what_is_added_is_the_model_times_the_power_that_the_image_lacks(field):
         np.testing.assert_allclose(added, lacking * model, rtol=0, atol=2e-6 * np.abs(added).max())
 
 
-@pytest.mark.parametrize("executor", [in_threads(2), in_copies(2)])
+@pytest.mark.parametrize("executor", [Threads(2), Copies(2), Processes(2)])
 def test_it_does_not_matter_who_adds(field, executor, monkeypatch):
     expected = _with_own_models(field, SERIAL)
     monkeypatch.setattr("uvshear.extraction.converged.own_models.AT_A_TIME", 2)

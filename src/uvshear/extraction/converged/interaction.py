@@ -36,6 +36,7 @@ START, END = 0.25 * WINDOW, 0.47 * WINDOW
 """Distances between which the image is tapered to zero [coarse pixels]: 50 and 93 arcsec for SKA-Mid."""
 
 _ALTERNATING = (-1.0) ** np.arange(WINDOW).astype(np.float32)
+"""Factors of the cells along an axis that move the origin of the transform to the centre of the window."""
 
 FAR = 2.7
 """Distance beyond which fluxes are not coupled, over ``END``: the plateau of SKA-Mid's beam is down to 1e-3 there."""
@@ -211,7 +212,6 @@ class Interaction:
         form = quadratic_form_of(source.ellipticity, source.scale_length)
         along_u, along_v = plane.phases(source.offset)
         envelope = self._profile.envelope(plane.argument(form))
-        # Alternating signs move the origin of the image to its centre.
         return (
             envelope,
             along_u * (np.float32(source.flux) * _ALTERNATING),

@@ -41,12 +41,13 @@ def with_own_models(
     """
     _work_out_powers(cycle, interaction, executor)
     edges = np.cumsum([0, *(len(facet) for facet in cycle.residuals)])
-    # Copies of this process write into it.
+    # The workers of a crew write into it.
     everything = shared_zeros((int(edges[-1]),), np.complex64)
     facets = tuple(np.split(everything, edges[1:-1])) if len(edges) > 1 else ()
-    task = _Adding(cycle, interaction, sources, subtracted, facets)
-    for _ in executor.distribute(_add, task, range(0, len(facets), AT_A_TIME)):
-        pass
+    adding = _Adding(cycle, interaction, sources, subtracted, facets)
+    with executor.crew(adding) as crew:
+        for _ in crew.map(_add, range(0, len(facets), AT_A_TIME)):
+            pass
     return facets
 
 
