@@ -56,6 +56,17 @@ def test_what_the_catalogue_does_not_tell_has_usual_errors(field):
     assert prior.ellipticity_sigma == pytest.approx(math.sqrt(variance))
 
 
+def test_the_smallest_numbers_of_a_catalogue_do_not_overflow(field):
+    flux = np.array([1e-300, 1.5e-3])
+    tiny = replace(
+        field, sky=replace(field.sky, flux=flux), position_err=np.array([1e-300, 1e-200])
+    )
+    for source in _modelled(tiny).sources:
+        pull, precision = source.prior.pull(source.expected)
+        assert np.isfinite([*pull, *precision, source.prior.penalty(source.expected)]).all()
+        assert (1 / source.prior.flux_sigma) ** 2 < 1e100
+
+
 def test_errors_of_the_catalogue_are_taken_and_not_believed_to_be_tiny(field):
     told = replace(field, flux_err=np.array([2e-4, 1e-9]), position_err=np.full(2, 0.1 * ARCSEC))
     priors = [source.prior for source in _modelled(told).sources]

@@ -28,6 +28,10 @@ apart can hardly be separated by anything else."""
 SUREST_PHOTOMETRY = 0.05
 """Smallest credible relative standard deviation of a flux in the catalogue."""
 
+LEAST_SIGMA = 1e-30
+"""Smallest standard deviation of a flux [Jy] and of a position [rad]; the square of the inverse of one of 1e-155 is no
+number."""
+
 
 @dataclass(frozen=True)
 class ModelledField:
@@ -130,9 +134,9 @@ def _modelled_source(
     prior = replace(
         field.prior(member, model.position_radius, model.ellipticity),
         ellipticity_sigma=math.sqrt(model.population.population_variance),
-        position_sigma=position_sigma,
+        position_sigma=max(position_sigma, LEAST_SIGMA),
         flux=flux,
-        flux_sigma=flux_sigma,
+        flux_sigma=max(flux_sigma, LEAST_SIGMA),
     )
     kind = GalaxySource if field.flags[member] == FitFlag.OK else PointSource
     return kind(prior, model.profile, GalaxyFit(flux, np.zeros(2), 0j, size, 0.0))
