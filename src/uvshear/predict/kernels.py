@@ -102,9 +102,15 @@ def plane_change(new, old, taper, reach, beam, spectrum):  # type: ignore[no-unt
             first, second = new_envelope[k + j], old_envelope[k + j]
             real = taper[k + j] * (first * now.real - second * before.real)
             imaginary = taper[k + j] * (first * now.imag - second * before.imag)
-            of_row += own_beam[j] * (real * real + imaginary * imaginary)
             own[j] = complex(own_beam[j] * real, own_beam[j] * imaginary)
         own[reach[i] :] = 0
+        # A sum in the loop that writes would depend on where the arrays lie in memory, in its last bits.
+        for j in range(reach[i]):
+            now, before = of_new * new_v[j], of_old * old_v[j]
+            first, second = new_envelope[k + j], old_envelope[k + j]
+            real = taper[k + j] * (first * now.real - second * before.real)
+            imaginary = taper[k + j] * (first * now.imag - second * before.imag)
+            of_row += own_beam[j] * (real * real + imaginary * imaginary)
         power += 2 * float(of_row)
         # This is half of the plane: the columns v = 0 and that of the Nyquist frequency count once.
         for j in (0, last):
