@@ -76,3 +76,26 @@ def test_a_change_is_the_difference_times_the_beam_and_has_the_power_of_the_whol
     counted = np.array([1, 2, 2, 2, 1]) * beam * np.abs(change) ** 2
     assert power == pytest.approx(counted.sum(), rel=1e-6)
     np.testing.assert_allclose(spectrum, beam * change, atol=1e-14)
+
+
+def test_the_power_of_a_change_does_not_depend_on_where_arrays_lie():
+    """Where the loop that sums also writes, its last bits depend on the order of the arrays in memory."""
+    rng = np.random.default_rng(0)
+    reach = np.array([177] * 90 + [120] * 100 + [177] * 90 + [40] * 72)
+    cells = int(reach.sum())
+    shapes = [cells, cells, cells, (352, 2), (177, 2), (352, 2), (177, 2), (352, 177)]
+    arrays = [rng.normal(size=shape).astype(np.float32) for shape in shapes]
+    arrays = [x.view(np.complex64)[:, 0] if x.shape[-1] == 2 else x for x in arrays]
+    arrays.append(np.zeros((352, 177), np.complex64))
+    powers = set()
+    for _ in range(40):
+        arena, start, placed = np.empty(2_000_000, np.uint8), 0, {}
+        for k in rng.permutation(len(arrays)).tolist():
+            part = arena[start : start + arrays[k].nbytes].view(arrays[k].dtype)
+            placed[k] = part.reshape(arrays[k].shape)
+            placed[k][...] = arrays[k]
+            start += -(-arrays[k].nbytes // 16) * 16
+        taper, one, other, *axes, beam, spectrum = (placed[k] for k in range(len(arrays)))
+        new, old = (one, *axes[:2]), (other, *axes[2:])
+        powers.add(float(kernels.plane_change(new, old, taper, reach, beam, spectrum)))
+    assert len(powers) == 1

@@ -40,6 +40,7 @@ _LARGEST_PHASE = 6.0
 """Phase in the corner of an image, for the largest w, beyond which w-planes are cheaper [rad]."""
 
 _NEGLIGIBLE = 1e-9
+"""Coefficient below which a Chebyshev polynomial is left out."""
 
 
 @dataclass(frozen=True)

@@ -95,26 +95,23 @@ def plane_change(new, old, taper, reach, beam, spectrum):  # type: ignore[no-unt
     old_envelope, old_u, old_v = old
     power, k, last = 0.0, 0, old_v.size - 1
     for i in range(reach.size):
-        of_row = taper.dtype.type(0)
         of_new, of_old, own_beam, own = new_u[i], old_u[i], beam[i], spectrum[i]
         for j in range(reach[i]):
             now, before = of_new * new_v[j], of_old * old_v[j]
             first, second = new_envelope[k + j], old_envelope[k + j]
             real = taper[k + j] * (first * now.real - second * before.real)
             imaginary = taper[k + j] * (first * now.imag - second * before.imag)
-            own[j] = complex(own_beam[j] * real, own_beam[j] * imaginary)
+            own[j] = complex(real, imaginary)
         own[reach[i] :] = 0
-        # A sum in the loop that writes would depend on where the arrays lie in memory, in its last bits.
+        # In a loop that writes, the last bits of the sum would depend on where the arrays lie in memory.
+        of_row = taper.dtype.type(0)
         for j in range(reach[i]):
-            now, before = of_new * new_v[j], of_old * old_v[j]
-            first, second = new_envelope[k + j], old_envelope[k + j]
-            real = taper[k + j] * (first * now.real - second * before.real)
-            imaginary = taper[k + j] * (first * now.imag - second * before.imag)
-            of_row += own_beam[j] * (real * real + imaginary * imaginary)
+            of_row += own_beam[j] * (own[j].real * own[j].real + own[j].imag * own[j].imag)
         power += 2 * float(of_row)
         # This is half of the plane: the columns v = 0 and that of the Nyquist frequency count once.
         for j in (0, last):
-            if j < reach[i] and own_beam[j] != 0:
-                power -= (own[j].real ** 2 + own[j].imag ** 2) / own_beam[j]
+            power -= own_beam[j] * (own[j].real ** 2 + own[j].imag ** 2)
+        for j in range(reach[i]):
+            own[j] *= own_beam[j]
         k += reach[i]
     return power

@@ -79,11 +79,6 @@ def search_radius(correlator: Correlator, prior: ShapePrior) -> float:
     """Radius of the prior on the position in the correlator's units."""
     if prior.position_radius is not None:
         return prior.position_radius / correlator.length
-    return peak_width(correlator, prior)
-
-
-def peak_width(correlator: Correlator, prior: ShapePrior) -> float:
-    """Gaussian sigma of the autocorrelation of a round galaxy of median size."""
     return correlator.peak_width(prior.log_scale_length)
 
 
@@ -94,7 +89,7 @@ def shape_covariance(best: BestFit) -> Float[Array, "3 3"]:
 
 def _highest_peak(correlator: Correlator, prior: ShapePrior) -> Float[Array, " 2"]:
     """Position of the highest cross-correlation with a round median galaxy on a lattice over the prior."""
-    spacing = 0.7 * peak_width(correlator, prior)
+    spacing = 0.7 * correlator.peak_width(prior.log_scale_length)
     nodes = hexagonal_lattice(search_radius(correlator, prior), spacing)
     displaced = correlator.displaced_to(nodes)
     heights, _ = correlator.correlate(np.array([0j]), np.array([prior.log_scale_length]), displaced)

@@ -8,7 +8,6 @@ from uvshear.galaxy.profile import Profile
 from uvshear.interferometer.facet import Facet
 from uvshear.shapes.correlator import Correlator
 from uvshear.shapes.lattices import hexagonal_lattice
-from uvshear.shapes.maximum import peak_width
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Float
@@ -49,7 +48,7 @@ def fit_point(facet: Facet, prior: ShapePrior, start: GalaxyFit | None = None) -
     if len(facet.uv) == 0 or float(np.sum(facet.power)) <= 0:
         return None
     correlator = Correlator(facet, Point(), np.float64)
-    width = peak_width(correlator, prior)
+    width = correlator.peak_width(prior.log_scale_length)
     given = prior.position_radius
     radius = width if given is None else given / correlator.length
     if start is None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from uvshear.shapes.correlator import Correlator
 from uvshear.shapes.lattices import hexagonal_lattice, shape_lattice
-from uvshear.shapes.maximum import BestFit, peak_width, search_radius
+from uvshear.shapes.maximum import BestFit, search_radius
 from uvshear.shapes.prior import ShapePrior
 from uvshear.typing import Array, Complex, Float
 
@@ -43,7 +43,7 @@ class PosteriorModes:
     @classmethod
     def from_lattices(cls, correlator: Correlator, prior: ShapePrior, best: BestFit) -> Self:
         """Evaluate a coarse lattice of shapes, and the best fit, over the whole prior on the position."""
-        width = peak_width(correlator, prior)
+        width = correlator.peak_width(prior.log_scale_length)
         sigma = width / best.snr
         # Two standard deviations of the position, but not coarser than the peak of the cross-correlation allows.
         spacing = min(2.0 * sigma, 0.15 * width)

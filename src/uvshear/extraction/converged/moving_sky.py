@@ -18,9 +18,6 @@ SLOTS = 512
 """Largest number of rendered changes that wait to be added to the image; they occupy at most 250 MB. It does not depend
 on the workers, so that every fit sees the same image whatever their number."""
 
-FEW = 16
-"""Number of changes, counted by strip, that this process adds itself: they take two milliseconds."""
-
 Find: TypeAlias = "Callable[[SkyState], list[GalaxyFit]]"
 """Finds new fits of some sources; it is picklable."""
 
@@ -66,7 +63,9 @@ class MovingSky:
     def move(
         self, moves: Sequence[Move], crew: "SkyCrew", on_move: Callable[[], None] | None = None
     ) -> Float[Array, " source"]:
-        """Let sources move; return the change of each source, or of the sum of those that move together [noise].
+        """Let sources move; return the change of each source in units of the noise.
+
+        Sources that move together have the change of the sum of their models.
 
         Every fit sees the sky as it was before the call, unless more than ``SLOTS`` sources move: later ones then see
         the image, but not the fits, of earlier ones.
@@ -101,10 +100,6 @@ class MovingSky:
             for source, slot in zip(move.sources, taken, strict=True):
                 for strip in self._now.image.strips_of(source):
                     strips.setdefault(strip, []).append((source, slot))
-        if sum(map(len, strips.values())) < FEW:
-            for each in strips.items():
-                self.add_to_strip(each)
-            return
         for _ in crew.map(MovingSky.add_to_strip, sorted(strips.items())):
             pass
 
