@@ -7,11 +7,12 @@ import pytest
 
 from tests.skies import galaxies
 from uvshear.constants import ARCSEC
-from uvshear.galaxy import Exponential, Sersic
+from uvshear.galaxy import Exponential, Gaussian, Sersic
 from uvshear.imaging.bands import Band
 from uvshear.predict.drawable import (
     LARGEST_STAMP,
     MOST_TILES,
+    RELATIVE_ERROR,
     SMALLEST_STAMP,
     cheapest_side,
     relative_error,
@@ -38,12 +39,31 @@ def test_as_many_galaxies_are_drawn_as_the_error_allows():
     assert suited(wrong, sizes, 13.1).tolist() == [1, 2, 3]
 
 
-def test_the_error_grows_with_the_size_and_with_w():
-    small, large = (relative_error(_sky(1, alpha), 0.0, 1e5, Exponential())[0] for alpha in (1, 2))
-    assert large == pytest.approx(4 * small, rel=0.01)
-    assert relative_error(_sky(1), 0.0, 2e5, Exponential())[0] == pytest.approx(2 * small, rel=0.01)
-    # On long baselines little is left of a large galaxy.
-    assert relative_error(_sky(1, 2), 1e5, 1e5, Exponential())[0] < 0.1 * large
+@pytest.mark.parametrize("place", [(0.0, 0.0), (0.2, -0.3)])
+def test_the_error_is_that_of_the_phase_across_a_galaxy(place):
+    """The transform of a round Gaussian with the phase -pi w r^2 is known."""
+    rng = np.random.default_rng(5)
+    alpha, (l, m) = 4.0 * ARCSEC, place
+    n = math.sqrt(1 - l**2 - m**2)
+    sky = galaxies(l=[l], m=[m], flux=[1.0], alpha=[alpha])
+    x, y, w = rng.normal(size=(3, 50)) * np.array([1e4, 1e4, 1e5])[:, None]
+    u, v, seen = x + w * l / n, y + w * m / n, x**2 + y**2
+    along = u * l + v * m + w * n
+    wider = 1 / (1 / alpha**2 + 2j * math.pi * along)
+    exact = wider / alpha**2 * np.exp(-2 * math.pi**2 * wider * seen)
+    summed = np.exp(-2 * math.pi**2 * alpha**2 * seen)
+    expected = np.sqrt(np.mean(np.abs(exact - summed) ** 2))
+    found = relative_error(sky, np.column_stack([u, v, w]), Gaussian())
+    assert expected > 50 * RELATIVE_ERROR
+    assert found == pytest.approx([expected], rel=0.03)
+
+
+def test_where_w_is_zero_the_error_is_that_of_drawing():
+    baselines = np.array([[1e4, 0.0, 0.0], [0.0, 0.0, 0.0]])
+    assert relative_error(_sky(2), baselines, Exponential()) == pytest.approx(
+        RELATIVE_ERROR, rel=1e-3
+    )
+    assert relative_error(_sky(2), baselines[:0], Exponential()) == pytest.approx(RELATIVE_ERROR)
 
 
 def test_stamps_hold_the_galaxies_whose_extent_is_known():

@@ -36,6 +36,9 @@ OVERSAMPLING = 1.4
 FEWEST_PIXELS = 256
 """Width of the image of the whole field below which baselines are not divided further [pixels]."""
 
+PROBES = 64
+"""Number of baselines that represent those of an octave."""
+
 SLAB = 2**20
 """Largest number of visibilities that one call of the gridder computes. It does not depend on the number of workers, so
 that the result does not either."""
@@ -171,9 +174,9 @@ def _planned(
         rows = np.flatnonzero(band.holds(length))
         rows = rows[uv_order(uvw[rows])]
         reach = float(w[rows].max(initial=0.0))
-        least = (band.shortest - 2 * slope * reach) * float(frequency.min() / frequency.max())
-        typical = float(np.sqrt(np.mean(w[rows] ** 2))) if len(rows) else 0.0
-        wrong = flux * relative_error(galaxies, max(least, 0.0), typical, profile)
+        probes = uvw[rows[:: max(1, len(rows) // PROBES)]]
+        seen = np.resize(frequency, len(probes))[:, None] / SPEED_OF_LIGHT
+        wrong = flux * relative_error(galaxies, probes * seen, profile)
         drawn = suited(wrong, stamp_sizes(galaxies, band.pixel, profile), FOR_IMAGES * error)
         samples = len(rows) * len(frequency)
         side = cheapest_side(galaxies.select(drawn), band, samples, reach, profile)

@@ -5,6 +5,8 @@ import math
 import numpy as np
 
 from uvshear.galaxy import Galaxies, Profile
+from uvshear.geometry.directions import n_minus_one
+from uvshear.geometry.ellipticity import quadratic_form
 from uvshear.imaging.bands import Band
 from uvshear.numerics.fft_sizes import fast_size
 from uvshear.typing import Array, Float, Int
@@ -12,9 +14,8 @@ from uvshear.typing import Array, Float, Int
 RELATIVE_ERROR = 1e-6
 """Root mean square error of a galaxy's visibilities over its flux, by drawing and gridding."""
 
-CURVATURE = 6 * math.pi
-"""Mean phase error of the sum that images do not have, pi <r^2> w [rad], over w alpha^2: <r^2> is 6 alpha^2 for a round
-exponential disc, and no more for other profiles that are drawn."""
+STEP = 0.1
+"""Distance between the points at which an envelope is differentiated, over 1/(2 pi alpha)."""
 
 SMALLEST_STAMP = 72
 """Smallest width of a stamp [pixels]. A galaxy that is smaller than a pixel is drawn with an error of 2e-7 of its
@@ -35,17 +36,39 @@ _PLANES = 8
 
 
 def relative_error(
-    galaxies: Galaxies, shortest: float, w: float, profile: Profile
+    galaxies: Galaxies, uvw: Float[Array, "probe 3"], profile: Profile
 ) -> Float[Array, " source"]:
-    """Estimate the difference between images and the sum, over each galaxy's flux.
+    r"""Estimate the root mean square difference between images and the sum, over each galaxy's flux.
 
-    ``shortest`` is the shortest baseline that a galaxy sees, and ``w`` is the root mean square of w [wavelengths].
+    Images have the phase -pi w r^2 across a galaxy, with w along the galaxy's direction, and the sum does not. To first
+    order it changes a visibility by
+
+    .. math:: \frac{i w}{4\pi} \nabla^2 \tilde I(u, v)
+
+    Parameters
+    ----------
+    galaxies
+        The galaxies.
+    uvw
+        Baselines that represent the samples [wavelengths].
+    profile
+        Brightness profile of all galaxies.
     """
-    modulus = np.abs(galaxies.ellipticity)
-    short_axis, long_axis = (galaxies.scale_length / (1 + sign * modulus) for sign in (1, -1))
-    left = np.abs(profile.envelope((2 * math.pi * short_axis * shortest) ** 2))
-    curved = CURVATURE * w * (short_axis**2 + long_axis**2) / 2 * left
-    return np.hypot(RELATIVE_ERROR, curved)
+    l, m, n = galaxies.l, galaxies.m, 1 + n_minus_one(galaxies.l, galaxies.m)
+    a, b, c = (
+        4 * math.pi**2 * x for x in quadratic_form(galaxies.ellipticity, galaxies.scale_length)
+    )
+    step = STEP / (2 * math.pi * _long_axis(galaxies))
+    square = np.zeros(len(galaxies))
+    for u, v, w in uvw:
+        x, y = u - w * l / n, v - w * m / n
+        around = sum(
+            profile.envelope(a * p**2 + b * p * q + c * q**2)
+            for p, q in ((x + step, y), (x - step, y), (x, y + step), (x, y - step))
+        )
+        laplacian = (around - 4 * profile.envelope(a * x**2 + b * x * y + c * y**2)) / step**2
+        square += ((u * l + v * m + w * n) / (4 * math.pi) * laplacian) ** 2
+    return np.sqrt(RELATIVE_ERROR**2 + square / max(len(uvw), 1))
 
 
 def suited(
@@ -86,6 +109,10 @@ def stamp_sizes(galaxies: Galaxies, pixel: float, profile: Profile) -> Float[Arr
     """Return the width of each galaxy's stamp [pixels]; infinite for a profile of unknown extent."""
     if math.isinf(profile.extent):
         return np.full(len(galaxies), math.inf)
-    long_axis = galaxies.scale_length / (1 - np.abs(galaxies.ellipticity))
-    widths = np.maximum(np.ceil(2 * profile.extent * long_axis / pixel), SMALLEST_STAMP)
+    widths = np.maximum(np.ceil(2 * profile.extent * _long_axis(galaxies) / pixel), SMALLEST_STAMP)
     return np.array([fast_size(width) for width in widths.tolist()], float)
+
+
+def _long_axis(galaxies: Galaxies) -> Float[Array, " source"]:
+    """Scale length along the major axis [rad]."""
+    return galaxies.scale_length / (1 - np.abs(galaxies.ellipticity))
