@@ -66,6 +66,13 @@ def test_where_w_is_zero_the_error_is_that_of_drawing():
     assert relative_error(_sky(2), baselines[:0], Exponential()) == pytest.approx(RELATIVE_ERROR)
 
 
+@pytest.mark.parametrize("alpha", [0.0, 1e-300])
+def test_the_error_of_a_point_source_is_that_of_drawing(alpha):
+    baselines = np.array([[1e4, 0.0, 1e5], [0.0, 0.0, 0.0]])
+    found = relative_error(_sky(2, alpha), baselines, Exponential())
+    assert found == pytest.approx(RELATIVE_ERROR)
+
+
 def test_stamps_hold_the_galaxies_whose_extent_is_known():
     profile = Exponential()
     sizes = stamp_sizes(_sky(2, 40.0), BAND.pixel, profile)

@@ -17,6 +17,9 @@ RELATIVE_ERROR = 1e-6
 STEP = 0.1
 """Distance between the points at which an envelope is differentiated, over 1/(2 pi alpha)."""
 
+LEAST_SIZE = 1e-12
+"""Scale length of what is as good as a point source [rad]."""
+
 SMALLEST_STAMP = 72
 """Smallest width of a stamp [pixels]. A galaxy that is smaller than a pixel is drawn with an error of 2e-7 of its
 flux."""
@@ -58,7 +61,7 @@ def relative_error(
     a, b, c = (
         4 * math.pi**2 * x for x in quadratic_form(galaxies.ellipticity, galaxies.scale_length)
     )
-    step = STEP / (2 * math.pi * _long_axis(galaxies))
+    step = STEP / (2 * math.pi * np.maximum(_long_axis(galaxies), LEAST_SIZE))
     square = np.zeros(len(galaxies))
     for u, v, w in uvw:
         x, y = u - w * l / n, v - w * m / n
