@@ -4,11 +4,14 @@ import numpy as np
 import pytest
 
 from tests.skies import L_BAND, random_baselines
+from uvshear.execution import in_threads
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
+from uvshear.predict import blocks
 from uvshear.predict.blocks import BlockAccumulator
+from uvshear.predict.gridded import Gridding
 
 ROWS = 1500
 LONGEST = 3e4
@@ -18,7 +21,7 @@ class Collector(BlockAccumulator[list[Samples]]):
     """Keeps every block."""
 
     def __init__(self, size):
-        super().__init__(0.0, LONGEST, size)
+        super().__init__(0.0, LONGEST, Gridding(block=size, executor=in_threads(2)))
         self.blocks = []
 
     def add_block(self, samples):
@@ -53,7 +56,8 @@ def _in_pieces(seen, pieces):
 
 @pytest.mark.parametrize("size", [7, 137, 1500, 10_000])
 @pytest.mark.parametrize("pieces", [1, 25])
-def test_blocks_are_of_the_size_asked_for_but_the_last(seen, size, pieces):
+def test_blocks_are_of_the_size_asked_for_but_the_last(seen, size, pieces, monkeypatch):
+    monkeypatch.setattr(blocks, "_AT_A_TIME", 64)
     (held,) = accumulate(_in_pieces(seen, pieces), [Collector(size)])
     assert all(len(block) == size for block in held[:-1])
     assert 0 < len(held[-1]) <= size

@@ -25,7 +25,7 @@ from uvshear.imaging.bands import (
 from uvshear.imaging.curvature import half_widths_of_bands
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.imaging.tiles import Footprint, plan_tiles
-from uvshear.imaging.uv_order import uv_order
+from uvshear.imaging.uv_order import in_uv_order, uv_order
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.samples import Samples
@@ -196,7 +196,7 @@ class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
         gridding: Gridding,
         step: Step | None = None,
     ) -> None:
-        super().__init__(uv_range.minimum, _beyond(uv_range), gridding.block)
+        super().__init__(uv_range.minimum, _beyond(uv_range), gridding)
         self._grid, self._uv_range, self._predict = grid, uv_range, predict
         self._gridding, self._step = gridding, step
         self._images = np.zeros((2, grid.size, grid.size))
@@ -205,7 +205,7 @@ class ResidualImageAccumulator(BlockAccumulator[DirtyAndResidual]):
 
     def add_block(self, samples: Samples) -> None:
         """Predict the models of a block, and image its data and its residuals."""
-        samples = samples.select(uv_order(samples.uvw))
+        samples = in_uv_order(samples, self._gridding.executor)
         residual = samples.stokes_i
         if self._predict is not None:
             residual = residual - self._predict(samples)
@@ -330,7 +330,7 @@ def _tiled(sky: ModelledSky, shortest: float, longest: float, gridding: Gridding
             chosen = np.flatnonzero(number == b)
             chosen = chosen[uv_order(samples.uvw[chosen])]
             if len(chosen):
-                part = samples.select(chosen)
+                part = samples.taken(chosen, gridding.executor)
                 model[chosen] = predict_samples(part, on_it, band, sky, gridding)
         return model
 

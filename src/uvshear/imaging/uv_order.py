@@ -6,7 +6,9 @@ from all over the memory. Where samples are in this order already, what it reads
 
 import numpy as np
 
+from uvshear.execution import Executor
 from uvshear.imaging import kernels
+from uvshear.interferometer.samples import Samples
 from uvshear.typing import Array, Float, Int
 
 SIDE = 128
@@ -29,3 +31,8 @@ def uv_order(uvw: Float[Array, "sample 3"]) -> Int[Array, " sample"]:
     kernels.number_squares(uvw, SIDE / 2 / longest if longest > 0 else 0.0, SIDE, square)
     # For integers of 16 bits this is a radix sort.
     return np.argsort(square, kind="stable")
+
+
+def in_uv_order(samples: Samples, executor: Executor) -> Samples:
+    """Return the samples in this order."""
+    return samples.taken(uv_order(samples.uvw), executor)

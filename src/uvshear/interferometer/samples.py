@@ -6,8 +6,12 @@ from typing import Self
 import numpy as np
 
 from uvshear.constants import SPEED_OF_LIGHT
+from uvshear.execution import Executor
 from uvshear.interferometer.visibilities import Visibilities
 from uvshear.typing import Array, Bool, Complex, Float, Int, Shaped
+
+_AT_A_TIME = 2**19
+"""Number of samples that a worker gathers at a time."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +93,23 @@ class Samples:
         return type(self)(
             *(getattr(self, name)[chosen] for name in type(self).__dataclass_fields__)
         )
+
+    def taken(self, numbers: Int[Array, " chosen"], executor: Executor) -> Self:
+        """Return the samples of these numbers, gathered by the workers of an executor."""
+        arrays = [getattr(self, name) for name in type(self).__dataclass_fields__]
+        taken = [np.empty((len(numbers), *array.shape[1:]), array.dtype) for array in arrays]
+
+        def gather(task: tuple[int, int]) -> None:
+            array, first = task
+            rows = slice(first, first + _AT_A_TIME)
+            # With other modes the output would be buffered; all numbers are valid.
+            np.take(arrays[array], numbers[rows], axis=0, out=taken[array][rows], mode="clip")
+
+        starts = range(0, len(numbers), _AT_A_TIME)
+        tasks = [(array, first) for array in range(len(arrays)) for first in starts]
+        for _ in executor.map(gather, tasks):
+            pass
+        return type(self)(*taken)
 
     @property
     def uv_distance(self) -> Float[Array, " sample"]:

@@ -80,6 +80,19 @@ class Visibilities:
     def __len__(self) -> int:
         return len(self.uvw)
 
+    def of_rows(self, rows: slice) -> Self:
+        """Return some rows; what is known of the block as a whole is left out."""
+        integrations = None if self.integrations is None else self.integrations.select(rows)
+        return replace(
+            self,
+            uvw=self.uvw[rows],
+            stokes_i=self.stokes_i[rows],
+            weights=self.weights[rows],
+            integrations=integrations,
+            counts=None,
+            hand_powers=None,
+        )
+
     def with_stokes_i(self, stokes_i: Complex[Array, "row chan"]) -> Self:
         """Return the same samples with other visibilities, whose two hands are not known."""
         return replace(self, stokes_i=stokes_i, hand_powers=None)

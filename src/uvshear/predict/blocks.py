@@ -6,6 +6,10 @@ from typing import Self
 from uvshear.interferometer.accumulate import Accumulator, Result_co
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Visibilities
+from uvshear.predict.gridded import Gridding
+
+_AT_A_TIME = 2**19
+"""Number of visibilities that a worker selects from at a time."""
 
 
 class BlockAccumulator(Accumulator[Result_co]):
@@ -17,18 +21,26 @@ class BlockAccumulator(Accumulator[Result_co]):
     ----------
     shortest, longest
         Range of the baselines [wavelengths].
-    size
-        Number of samples in a block.
+    gridding
+        Number of samples in a block, and the executor that selects them.
     """
 
-    def __init__(self, shortest: float, longest: float, size: int) -> None:
-        self._shortest, self._longest, self._size = shortest, longest, size
+    def __init__(self, shortest: float, longest: float, gridding: Gridding) -> None:
+        self._shortest, self._longest = shortest, longest
+        self._size, self._executor = gridding.block, gridding.executor
         self._waiting: list[Samples] = []
         self._held = 0
 
     def add(self, seen: Visibilities) -> None:
         """Take in the samples of a chunk."""
-        self._take(Samples.from_visibilities(seen, self._shortest, self._longest))
+        rows = max(1, _AT_A_TIME // len(seen.frequency))
+
+        def select(first: int) -> Samples:
+            part = seen.of_rows(slice(first, first + rows))
+            return Samples.from_visibilities(part, self._shortest, self._longest)
+
+        for part in self._executor.map(select, range(0, len(seen), rows)):
+            self._take(part)
 
     def merge(self, later: Self) -> None:
         """Add the sums of another accumulator, and take over the samples that it has not processed."""

@@ -184,10 +184,13 @@ def predict_bands(
     )
     for number, rows, vis in executor.map(predict, tasks):
         models[number][rows] += vis
-    return [
-        model * response.gain(each.samples.frequency)
-        for each, model in zip(bands, models, strict=True)
-    ]
+
+    def finish(number: int) -> None:
+        models[number] *= response.gain(bands[number].samples.frequency)
+
+    for _ in gridding.executor.map(finish, range(len(bands))):
+        pass
+    return models
 
 
 @dataclass(frozen=True)

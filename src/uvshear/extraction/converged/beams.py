@@ -21,7 +21,7 @@ from scipy.spatial import cKDTree
 from uvshear.galaxy import Galaxies
 from uvshear.imaging.cutout import Cutout
 from uvshear.imaging.tangent import TangentPlane
-from uvshear.imaging.uv_order import uv_order
+from uvshear.imaging.uv_order import in_uv_order
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
@@ -29,7 +29,7 @@ from uvshear.predict.blocks import BlockAccumulator
 from uvshear.predict.gridded import Gridding, slabs
 from uvshear.predict.rendering import smooth_step
 from uvshear.predict.response import Response, SeenAs, seen_as
-from uvshear.typing import Array, Float, Int
+from uvshear.typing import Array, Complex, Float, Int
 
 SIZE = 704
 """Side of a beam's image [pixels]: 197 arcsec for SKA-Mid, the reach of the interaction between major cycles."""
@@ -43,6 +43,9 @@ WIDE_SIZE = 256
 WIDE_BAND = 1 / 20
 """Side in pixels, and longest baseline over that of the facets, of a coarse beam that shows how far the plateau of
 the short baselines reaches: 730 arcsec for SKA-Mid."""
+
+_WIDE = -1
+"""Number of the coarse beam among the images."""
 
 NANOSECONDS = 200
 """Cost of a sample in one beam [nanoseconds]."""
@@ -220,7 +223,7 @@ class BeamAccumulator(BlockAccumulator[Beams]):
         gridding: Gridding,
         on_work: Callable[[float], None] | None = None,
     ) -> None:
-        super().__init__(plan.shortest, plan.longest, gridding.block)
+        super().__init__(plan.shortest, plan.longest, gridding)
         self._plan, self._response, self._gridding = plan, response, gridding
         self._on_work = on_work
         self._images = np.zeros((len(plan.nodes), SIZE, SIZE), np.float32)
@@ -240,33 +243,35 @@ class BeamAccumulator(BlockAccumulator[Beams]):
     def add_block(self, samples: Samples) -> None:
         """Image the weights of a block for every beam."""
         plan, response, gridding = self._plan, self._response, self._gridding
-        samples = samples.select(uv_order(samples.uvw))
+        samples = in_uv_order(samples, gridding.executor)
         unit = (samples.weights * response.gain(samples.frequency) ** 2).astype(np.complex64)
-        self._add_short(samples, unit)
 
         def image(task: tuple[int, slice]) -> tuple[int, Float[Array, "l m"], int]:
             beam, rows = task
+            if beam == _WIDE:
+                return beam, self._wide_image(samples.uvw[rows], unit[rows]), 0
             # Phased to the direction itself a beam has its centre there.
             plane = TangentPlane.at(samples.uvw[rows], *plan.nodes[beam])
             matched = response.matched_filter(samples.select(rows), *plan.filters[beam])
             part = plane.beam(unit[rows] * matched**2, SIZE, plan.pixel, gridding.epsilon)
             return beam, part, len(plane.phase)
 
-        tasks = [(beam, rows) for beam in range(len(plan.nodes)) for rows in slabs(len(samples))]
+        beams = [_WIDE, *range(len(plan.nodes))]
+        tasks = [(beam, rows) for beam in beams for rows in slabs(len(samples))]
         executor = gridding.executor_for(SIZE, len(samples))
         for beam, part, count in executor.map(image, tasks):
-            self._images[beam] += part
+            total = self._wide if beam == _WIDE else self._images[beam]
+            total += part
             if self._on_work is not None:
                 self._on_work(NANOSECONDS * count)
 
-    def _add_short(self, samples: Samples, unit: Array) -> None:
-        short = samples.uv_distance < WIDE_BAND * self._plan.longest
-        uvw, unit = samples.uvw[short], unit[short]
-        for rows in slabs(len(unit)):
-            plane = TangentPlane.at(uvw[rows], *self._plan.nodes[0])
-            self._wide += plane.beam(
-                unit[rows], WIDE_SIZE, self._wide_pixel, self._gridding.epsilon
-            )
+    def _wide_image(
+        self, uvw: Float[Array, "sample 3"], unit: Complex[Array, " sample"]
+    ) -> Float[Array, "l m"]:
+        """Image the short baselines among some."""
+        short = np.hypot(uvw[:, 0], uvw[:, 1]) < WIDE_BAND * self._plan.longest
+        plane = TangentPlane.at(uvw[short], *self._plan.nodes[0])
+        return plane.beam(unit[short], WIDE_SIZE, self._wide_pixel, self._gridding.epsilon)
 
 
 def gather_beams(

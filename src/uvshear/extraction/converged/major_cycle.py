@@ -28,7 +28,10 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.blocks import BlockAccumulator
 from uvshear.predict.gridded import Gridding, ModelledSky, PredictedBand, predict_bands, slabs
 from uvshear.predict.response import Response, SeenAs
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Complex, Float, Int
+
+_AT_A_TIME = 2**19
+"""Number of samples whose bands a worker tells at a time."""
 
 OnWork = Callable[[float], None]
 """Function that is called with the work that has been done [nanoseconds, roughly]."""
@@ -125,7 +128,7 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
         gridding: Gridding,
         on_work: OnWork | None = None,
     ) -> None:
-        super().__init__(plan.shortest, plan.longest, gridding.block)
+        super().__init__(plan.shortest, plan.longest, gridding)
         self._plan, self._sky, self._gridding, self._on_work = plan, sky, gridding, on_work
         self._filters = filters_of_plan(plan, sky.galaxies, sky.response)
         self._facets = [np.zeros(len(cutout.multiplicity), np.complex64) for cutout in plan.cutouts]
@@ -146,14 +149,11 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
     def add_block(self, samples: Samples) -> None:
         """Subtract the models, image the residual and cut out the facets, from the coarsest band to the finest."""
         plan, sky, gridding = self._plan, self._sky, self._gridding
-        number = plan.band_of(samples.uvw)
         bands = range(len(plan.bands) - 1, plan.top - 1, -1)
-        chosen = {b: np.flatnonzero(number == b) for b in bands}
-        orders = gridding.executor.map(lambda b: uv_order(samples.uvw[chosen[b]]), bands)
-        parts = {
-            b: samples.select(chosen[b][order]) for b, order in zip(bands, orders, strict=True)
-        }
-        views = [_BandView(parts[b], plan.tiles[b], self._filters[b], plan.bands[b]) for b in bands]
+        views = [
+            _BandView(part, plan.tiles[b], self._filters[b], plan.bands[b])
+            for b, part in zip(bands, _parts(samples, plan, bands, gridding.executor), strict=True)
+        ]
         weighted = _weighted_residuals(views, sky, gridding)
         images_of_bands = _images(views, weighted, sky.response, gridding)
         coarser: list[Images] = []
@@ -183,6 +183,22 @@ class _BandView:
     band: Band
 
 
+def _parts(
+    samples: Samples, plan: MajorCyclePlan, bands: Sequence[int], executor: Executor
+) -> Iterator[Samples]:
+    """Yield the samples of each band, in an order in which the gridder is fast."""
+    edges = range(0, len(samples), _AT_A_TIME)
+    numbers = executor.map(lambda k: plan.band_of(samples.uvw[k : k + _AT_A_TIME]), edges)
+    number = np.concatenate(list(numbers))
+
+    def order(band: int) -> Int[Array, " chosen"]:
+        chosen = np.flatnonzero(number == band)
+        return chosen[uv_order(samples.uvw[chosen])]
+
+    for chosen in executor.map(order, bands):
+        yield samples.taken(chosen, executor)
+
+
 def _weighted_residuals(
     views: Sequence[_BandView], sky: ModelledSky, gridding: Gridding
 ) -> list[Complex[Array, " _"]]:
@@ -190,12 +206,12 @@ def _weighted_residuals(
     models = predict_bands(
         [PredictedBand(view.samples, view.tiles, view.band) for view in views], sky, gridding
     )
-    found = []
-    for view, model in zip(views, models, strict=True):
-        samples = view.samples
-        gain = sky.response.gain(samples.frequency)
-        found.append((samples.stokes_i - model) * (samples.weights * gain))
-    return found
+
+    def weighted(seen: tuple[_BandView, Complex[Array, " _"]]) -> Complex[Array, " _"]:
+        samples, model = seen[0].samples, seen[1]
+        return (samples.stokes_i - model) * (samples.weights * sky.response.gain(samples.frequency))
+
+    return list(gridding.executor.map(weighted, zip(views, models, strict=True)))
 
 
 def _images(

@@ -1,0 +1,54 @@
+"""Observations that are read once."""
+
+from itertools import islice
+
+import numpy as np
+
+from tests.skies import L_BAND, random_baselines
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.held_observation import BYTES_PER_SAMPLE, HeldObservation, held_within
+from uvshear.interferometer.visibilities import Visibilities
+
+ROWS = 20
+
+
+class Counting:
+    """Counts how often it is read."""
+
+    def __init__(self):
+        self.readings = 0
+        self.phase_centre = PhaseCentre(0.1, -0.5)
+
+    def chunks(self):
+        self.readings += 1
+        uvw = random_baselines(ROWS, 7e3)
+        for number in range(3):
+            vis = np.full((ROWS, 1), number + 0j)
+            vis[number] = np.nan
+            yield Visibilities(uvw, L_BAND, vis, np.ones((ROWS, 1)))
+
+
+def test_an_observation_is_read_once_and_gives_the_same_chunks_again():
+    observation = Counting()
+    held = HeldObservation(observation)
+    first, later = list(held.chunks()), list(held.chunks())
+    assert observation.readings == 1
+    assert [id(chunk) for chunk in first] == [id(chunk) for chunk in later]
+    assert held.phase_centre == observation.phase_centre
+    # What cannot be right is left out, and is not looked for again.
+    assert [int(np.flatnonzero(chunk.weights[:, 0] == 0)[0]) for chunk in later] == [0, 1, 2]
+    assert all(chunk.is_screened for chunk in later)
+
+
+def test_a_reading_that_was_given_up_is_not_kept():
+    observation = Counting()
+    held = HeldObservation(observation)
+    assert len(list(islice(held.chunks(), 2))) == 2
+    assert len(list(held.chunks())) == 3
+    assert observation.readings == 2
+
+
+def test_an_observation_that_does_not_fit_is_read_as_often_as_it_is_needed():
+    observation = Counting()
+    assert held_within(observation, 100, 100 * BYTES_PER_SAMPLE - 1) is observation
+    assert isinstance(held_within(observation, 100, 100 * BYTES_PER_SAMPLE), HeldObservation)
