@@ -10,6 +10,8 @@ from tests.shapes.facets import ALPHA, EXPONENTIAL, GAUSSIAN, PRIOR, noise_free,
 from uvshear.galaxy import DiscEllipticityPrior
 from uvshear.shapes.correlator import Correlator
 from uvshear.shapes.maximum import maximise_likelihood, shape_covariance
+from uvshear.shapes.position import MarginalLikelihood, PositionQuadrature
+from uvshear.shapes.posterior import sample_about
 from uvshear.shapes.shape import measure_shape
 
 ENVELOPES = {EXPONENTIAL: lambda q: (1 + q) ** -1.5, GAUSSIAN: lambda q: np.exp(-q / 2)}
@@ -134,3 +136,24 @@ def test_the_sampling_holds_for_any_snr(snr):
     assert 0.4 < shape.e_sigma * snr < 4
     # measured 0.02 sigma; a maximum of tolerance 1e-3 in ln L: 0.05
     assert np.hypot(*(shape.ellipticity - [e.real, e.imag])) < 0.1 * shape.e_sigma
+
+
+class _Impossible(PositionQuadrature):
+    """A position quadrature for which no shape is possible."""
+
+    def __init__(self):
+        pass
+
+    def marginalise(self, ellipticity, log_scale_length):
+        number = len(ellipticity)
+        nothing, place = np.zeros(number), np.zeros((number, 2))
+        unlikely = np.full(number, -np.inf)
+        return MarginalLikelihood(unlikely, nothing, nothing, nothing, place, place)
+
+
+def test_where_no_shape_has_a_likelihood_the_posterior_is_not_covered():
+    facet, _ = noisy(np.random.default_rng(2), 0.1 + 0.2j, snr=30.0, number=200)
+    best = maximise_likelihood(Correlator(facet, EXPONENTIAL), PRIOR)
+    samples = sample_about(best, _Impossible(), PRIOR)
+    assert not samples.is_covered
+    assert samples.probability.sum() == pytest.approx(1.0)

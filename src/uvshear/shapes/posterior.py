@@ -289,7 +289,8 @@ class _Lattice:
             inner = frontier[log_density > highest - DEPTH]
             frontier = self._new_points((inner[:, None, :] + _NEIGHBOURS).reshape(-1, 3))
             self._is_full |= self._count > self._most
-        is_covered = len(frontier) == 0 and not self._is_full
+        # Where no shape has any likelihood, nothing is known of its extent.
+        is_covered = len(frontier) == 0 and not self._is_full and highest > -math.inf
         return self._collect(found, np.concatenate(points), is_covered=is_covered)
 
     def _new_points(self, points: Int[Array, "point 3"]) -> Int[Array, "new 3"]:
@@ -321,7 +322,8 @@ class _Lattice:
     ) -> PosteriorSamples:
         e, sizes, log_density, marginals = zip(*found, strict=True)
         density = np.concatenate(log_density)
-        probability = np.exp(density - density.max())
+        highest = float(density.max())
+        probability = np.exp(density - highest) if highest > -math.inf else np.ones(len(density))
         return PosteriorSamples(
             ellipticity=np.concatenate(e),
             log_scale_length=np.concatenate(sizes),
