@@ -12,9 +12,9 @@ import numpy as np
 
 from uvshear.typing import Array, Float, Int
 
-CORE = 3072
+CORE = 3584
 """Largest number of pixels of the finest band that a tile covers along a side, without its margins. With fewer, the
-margins cost time, and with more, w does."""
+margins and the samples cost time, and with more, w and memory do."""
 
 TAPS = 8
 """Number of coarse pixels beyond a tile that interpolation to its pixels needs."""

@@ -134,7 +134,9 @@ class _Group(Ascent[_Trial, Array]):
         responses = np.concatenate(
             [t.responses(fit) for t, fit in zip(self._common, fits, strict=True)]
         )
-        change = (self._total(fits) - self._common_start)[None, :]
+        # The first response of each galaxy, to its flux, is its model for unit flux.
+        flux = np.array([[fit.flux for fit in fits]], np.float32)
+        change = flux @ responses[::PARAMETERS] - self._common_start
         weighted = responses * self._power
         information = real_product(weighted, responses)
         gradient = -real_product(weighted, change)[:, 0]

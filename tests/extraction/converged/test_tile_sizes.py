@@ -1,11 +1,13 @@
 """The size of the tiles."""
 
 import numpy as np
+import pytest
 
 from tests.extraction.converged.test_tile_filters import _probes
 from tests.skies import galaxies
 from uvshear.extraction.converged.plan import FacetRequests
 from uvshear.extraction.converged.tile_sizes import cheapest_core, work_of
+from uvshear.imaging.bands import OVERSAMPLING
 from uvshear.imaging.tiles import CORE, Tile
 from uvshear.interferometer.attenuation import BandwidthSmearing
 from uvshear.interferometer.summary import ObservationSummary
@@ -27,14 +29,29 @@ def _core(attenuation, samples, half_width=3e-3):
     return cheapest_core(requests, (0.0, LONGEST, LONGEST), sky, response, summary)
 
 
+def _parts(samples, half_width):
+    """Number of equal parts into which the field is divided along a side."""
+    # COUNT positions reach to within a few per cent of the edge.
+    pixels = 2 * OVERSAMPLING * LONGEST * 2 * half_width
+    parts = 0.95 * pixels / _core(None, samples, half_width)
+    assert parts == pytest.approx(round(parts), rel=0.05)
+    return round(parts)
+
+
 def test_tiles_are_large_where_sources_have_one_factor():
-    assert _core(None, 10**5, half_width=1e-2) == CORE
+    assert _parts(10**7, half_width=4e-3) == 1
+    assert _core(None, 10**7, half_width=4e-3) <= CORE
+
+
+def test_tiles_are_joined_in_coarse_bands_where_their_number_is_even():
+    # Five parts of the largest core would be joined to three in the next band, and to two in the one after it.
+    assert _parts(10**7, half_width=1.9e-2) == 4
 
 
 def test_a_single_tile_of_few_samples_is_divided_among_workers():
-    assert _core(None, SLAB) == CORE // 2
+    assert _parts(SLAB, half_width=3e-3) == 2
     # More samples are several tasks, and each tile takes all of them.
-    assert _core(None, SLAB + 1) == CORE
+    assert _parts(SLAB + 1, half_width=3e-3) == 1
 
 
 def test_tiles_are_small_where_factors_vary_fast_and_samples_are_few():
