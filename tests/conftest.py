@@ -46,6 +46,12 @@ def _one_thread_for_linear_algebra():
         yield
 
 
+@pytest.fixture(autouse=True)
+def _copies_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let copies do the work of tests, which this process would often end before it makes any."""
+    monkeypatch.setattr("uvshear.execution.copied_crew.WORTH_COPIES", 0.0)
+
+
 SLOW_TESTS = Path(__file__).parent / "slow_tests.txt"
 SLOW_SECONDS = 0.5
 """Duration, with fixtures and all of its parameters, from which a test is slow."""

@@ -26,6 +26,10 @@ def process(_: object, task: int) -> int:
     return os.getpid()
 
 
+def brief(_: object, task: int) -> None:
+    time.sleep(0.01)
+
+
 def library_threads(_: object, task: int) -> int:
     np.ones((2, 2)) @ np.ones((2, 2))
     return max((pool["num_threads"] for pool in threadpool_info()), default=1)

@@ -14,6 +14,7 @@ import pytest
 
 from tests.execution import tasks as work
 from tests.execution.tasks import Ledger
+from uvshear.execution import copied_crew
 from uvshear.execution.copied_crew import AHEAD, CopiedCrew, end_copies
 from uvshear.execution.shared_memory import shared_zeros
 
@@ -28,6 +29,31 @@ def test_tasks_run_in_as_many_copies_as_there_are_workers() -> None:
         seen = set(crew.map(work.process, range(40)))
     assert os.getpid() not in seen
     assert len(seen) == 2
+
+
+def test_copies_are_made_only_for_work_that_is_worth_them(monkeypatch) -> None:
+    monkeypatch.setattr(copied_crew, "WORTH_COPIES", 60.0)
+    before = work.children()
+    with CopiedCrew(None, 2) as crew:
+        assert set(crew.map(work.process, range(9))) == {os.getpid()}
+        assert work.children() == before
+        monkeypatch.setattr(copied_crew, "WORTH_COPIES", 0.0)
+        assert os.getpid() not in set(crew.map(work.process, range(9)))
+        # Copies that have been made are used.
+        monkeypatch.setattr(copied_crew, "WORTH_COPIES", 60.0)
+        assert os.getpid() not in set(crew.map(work.process, range(9)))
+
+
+def test_small_tasks_come_together_and_long_ones_alone() -> None:
+    with CopiedCrew(None, 2) as crew:
+        list(crew.map(work.nothing, range(100)))
+        list(crew.map(work.brief, range(20)))
+        assert crew._together(work.nothing, 1000) == copied_crew.TOGETHER
+        assert crew._together(work.nothing, 12) == 3
+        assert crew._together(work.nothing, 1) == 1
+        assert crew._together(work.brief, 1000) == 1
+        # Nothing is known of a function that has not been called.
+        assert crew._together(work.process, 1000) == 1
 
 
 def test_results_keep_their_order_though_the_first_task_ends_last() -> None:

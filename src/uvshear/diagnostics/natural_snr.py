@@ -14,6 +14,9 @@ from uvshear.predict.response import Response
 from uvshear.shapes.measurement import ShapeMeasurement
 from uvshear.typing import Array, Float
 
+_TOGETHER = 32
+"""Number of galaxies whose norms are one task."""
+
 
 def with_natural_snr(
     measurements: Mapping[int, ShapeMeasurement],
@@ -71,4 +74,8 @@ def natural_norms(
         gain = np.exp(2 * index * (cells.log_frequency - math.log(reference))).astype(np.float32)
         return float(np.sum(weight * gain * profile.envelope(q) ** 2, dtype=float))
 
-    return np.array(list(executor.map(norm, range(len(galaxies)))))
+    def of_part(first: int) -> list[float]:
+        return [norm(source) for source in range(first, min(first + _TOGETHER, len(galaxies)))]
+
+    parts = executor.map(of_part, range(0, len(galaxies), _TOGETHER))
+    return np.array([found for part in parts for found in part])

@@ -11,6 +11,7 @@ import select
 import signal
 import socket
 import struct
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor
@@ -22,14 +23,25 @@ from typing import Any, Final, NoReturn, Self
 from uvshear.execution.copying import copy_process
 from uvshear.execution.crew import Crew, Result, Shared, Task
 
-AHEAD: Final = 8
+AHEAD: Final = 32
 """Number of tasks for each copy that are begun before the result of the first of them is taken, at most."""
 
+TOGETHER: Final = 8
+"""Largest number of tasks in one message."""
+
+WORTH_COPIES: Final = 0.1
+"""Work that this process does before it makes copies [s]: to make and to end two of them takes as long."""
+
+WORTH_A_MESSAGE: Final = 8e-3
+"""Work that is enough for one message [s]: a message costs a tenth of a millisecond, and the smallest tasks little
+more."""
+
 QUEUED: Final = 2
-"""Number of tasks that a copy has at the same time, so that it need not wait for this process between two of them."""
+"""Number of messages that a copy has at the same time, so that it need not wait for this process between two of
+them."""
 
 SMALL: Final = 2**15
-"""Size of a task that a copy may have besides another [bytes]. A larger one would not fit into the buffer of its
+"""Size of a message that a copy may have besides another [bytes]. A larger one would not fit into the buffer of its
 channel: copy and parent would wait for each other for ever if a result was as large."""
 
 _LENGTH: Final = struct.Struct("=q")
@@ -47,7 +59,7 @@ class _Copy:
 
     pid: int
     channel: socket.socket
-    news: list[tuple[Callable[..., None], tuple[Any, ...]]] = field(default_factory=list)
+    news: list[bytes] = field(default_factory=list)
 
 
 class CopiedCrew(Crew[Shared]):
@@ -64,6 +76,7 @@ class CopiedCrew(Crew[Shared]):
     def __init__(self, shared: Shared, workers: int) -> None:
         self._shared, self._workers = shared, workers
         self._copies: list[_Copy] = []
+        self._seconds: dict[Callable[..., Any], float] = {}
 
     def __enter__(self) -> Self:
         return self
@@ -79,18 +92,26 @@ class CopiedCrew(Crew[Shared]):
     ) -> Iterator[Result]:
         """Yield the results; ``AHEAD`` tasks for each copy are begun before them, at most."""
         waiting = iter(tasks)
-        if function not in _tried:
-            for task in islice(waiting, 1):
-                yield function(self._shared, task)
+        # A new function is called here first: what it compiles, copies have from the start.
+        until = time.perf_counter() + (0 if self._copies else WORTH_COPIES)
+        while function not in _tried or time.perf_counter() < until:
+            try:
+                task = next(waiting)
+            except StopIteration:
+                return
+            result = function(self._shared, task)
             _tried.add(function)
+            yield result
         if not self._copies:
             self._start()
         yield from self._results(function, enumerate(waiting))
 
     def tell(self, change: Callable[..., None], *news: Any) -> None:
         """Call ``change(shared, *news)`` in every copy before its next task."""
-        for copy in self._copies:
-            copy.news.append((change, news))
+        if self._copies:
+            packed = _packed((change, news))
+            for copy in self._copies:
+                copy.news.append(packed)
 
     def _start(self) -> None:
         gc.freeze()
@@ -113,11 +134,11 @@ class CopiedCrew(Crew[Shared]):
         # Unlike select, it takes file descriptors above 1023.
         answers = select.poll()
         copies = {copy.channel.fileno(): copy for copy in self._copies}
-        begun: dict[int, deque[int]] = {descriptor: deque() for descriptor in copies}
+        begun: dict[int, deque[list[int]]] = {descriptor: deque() for descriptor in copies}
         known: dict[int, tuple[bool, Any]] = {}
         wanted, in_hand = 0, deque[tuple[int, Any]]()
         while True:
-            unfinished = len(known) + sum(map(len, begun.values()))
+            unfinished = len(known) + sum(len(each) for queue in begun.values() for each in queue)
             in_hand.extend(islice(waiting, AHEAD * self._workers - unfinished - len(in_hand)))
             if not (unfinished or in_hand):
                 return
@@ -126,17 +147,19 @@ class CopiedCrew(Crew[Shared]):
                 # The last tasks wait for the copy that is free first.
                 if len(begun[descriptor]) >= (QUEUED if len(in_hand) > self._workers else 1):
                     break
-                number, task = in_hand[0]
+                count = self._together(function, len(in_hand))
+                numbers, tasks = zip(*islice(in_hand, count), strict=True)
                 copy = copies[descriptor]
-                packed = _packed((copy.news, function, task))
+                packed = _packed((copy.news, function, tasks))
                 if begun[descriptor] and len(packed) > SMALL:
                     break
-                in_hand.popleft()
+                for _ in range(count):
+                    in_hand.popleft()
                 _send(copy.channel, packed)
                 copy.news = []
                 if not begun[descriptor]:
                     answers.register(descriptor, select.POLLIN)
-                begun[descriptor].append(number)
+                begun[descriptor].append(list(numbers))
             while wanted in known:
                 is_error, found = known.pop(wanted)
                 if is_error:
@@ -146,9 +169,17 @@ class CopiedCrew(Crew[Shared]):
             if not any(begun.values()):
                 continue
             for descriptor, _ in answers.poll():
-                known[begun[descriptor].popleft()] = _received(copies[descriptor].channel)
+                seconds, found_now = _received(copies[descriptor].channel)
+                self._seconds[function] = seconds / len(found_now)
+                known.update(zip(begun[descriptor].popleft(), found_now, strict=True))
                 if not begun[descriptor]:
                     answers.unregister(descriptor)
+
+    def _together(self, function: Callable[..., Any], left: int) -> int:
+        """Choose the number of tasks of the next message: fewer and fewer, so that all copies end at the same time."""
+        seconds = self._seconds.get(function, WORTH_A_MESSAGE)
+        worthwhile = int(WORTH_A_MESSAGE / max(seconds, 1e-9))
+        return max(1, min(worthwhile, left // (2 * self._workers), TOGETHER))
 
 
 def end_copies() -> None:
@@ -174,17 +205,24 @@ def _serve(shared: Any, channel: socket.socket) -> NoReturn:
             signal.signal(number, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         while (asked := _received(channel, at_end=None)) is not None:
-            news, function, task = asked
-            for change, what in news:
+            news, function, tasks = asked
+            for packed in news:
+                change, what = pickle.loads(packed)
                 change(shared, *what)
-            try:
-                answer = False, function(shared, task)
-            except Exception as error:
-                answer = True, error
-            _send(channel, _packed(answer))
+            start = time.perf_counter()
+            answers = [_answer(function, shared, task) for task in tasks]
+            _send(channel, _packed((time.perf_counter() - start, answers)))
         status = 0
     finally:
         os._exit(status)
+
+
+def _answer(function: Callable[..., Any], shared: Any, task: Any) -> tuple[bool, Any]:
+    """Return whether a task has failed, and its result or its error."""
+    try:
+        return False, function(shared, task)
+    except Exception as error:
+        return True, error
 
 
 def _packed(content: Any) -> bytes:

@@ -50,7 +50,7 @@ class EllipticityPrior(ABC):
         cumulative = _integrals(mass, r) / self._integral
         return np.interp(rng.uniform(size=number), cumulative, r)
 
-    @property
+    @cached_property
     def population_variance(self) -> float:
         """Variance of each component of e, which is half the mean of its squared modulus."""
         r, mass = self._modulus_mass

@@ -65,14 +65,14 @@ class ArrayExtent:
         """
         longest = LONGEST_BASELINE if self.longest_baseline is None else self.longest_baseline
         with np.errstate(all="ignore"):
-            length = np.sqrt(np.sum(uvw**2, axis=1))
+            length = np.sqrt(np.einsum("ij,ij->i", uvw, uvw))
             allowed: Bool[Array, " row"] = (length > 0) & (length <= longest)
             if antennas is not None and self.positions is not None and len(antennas):
                 is_known = (antennas >= 0) & (antennas < len(self.positions))
                 is_placed: Bool[Array, " row"] = np.all(is_known, axis=1)
                 first, second = np.where(is_known, antennas, 0).T
                 apart = self.positions[first] - self.positions[second]
-                distance = np.sqrt(np.sum(apart**2, axis=1))
+                distance = np.sqrt(np.einsum("ij,ij->i", apart, apart))
                 # A distance of NaN allows every length.
                 is_off = np.abs(length - distance) > TOLERANCE * distance + self.margin
                 allowed &= ~(is_placed & is_off)

@@ -33,6 +33,9 @@ from uvshear.typing import Array, Complex, Float, Int
 _AT_A_TIME = 2**19
 """Number of samples whose bands a worker tells at a time."""
 
+_TOGETHER = 32
+"""Number of sources whose facets are one task."""
+
 OnWork = Callable[[float], None]
 """Function that is called with the work that has been done [nanoseconds, roughly]."""
 
@@ -140,11 +143,18 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
 
     def total(self) -> Facets:
         """Return the facets, centred on their sources."""
-        plan = self._plan
-        facets = tuple(facet.copy() for facet in self._facets)
-        for facet, cutout, offset in zip(facets, plan.cutouts, plan.offset, strict=True):
-            cutout.recentre(facet, tuple(offset))
-        return facets
+        plan, count = self._plan, len(self._facets)
+
+        def centred(first: int) -> list[Complex[Array, " _"]]:
+            facets = []
+            for source in range(first, min(first + _TOGETHER, count)):
+                facet = self._facets[source].copy()
+                plan.cutouts[source].recentre(facet, tuple(plan.offset[source]))
+                facets.append(facet)
+            return facets
+
+        parts = self._gridding.executor.map(centred, range(0, count, _TOGETHER))
+        return tuple(facet for part in parts for facet in part)
 
     def add_block(self, samples: Samples) -> None:
         """Subtract the models, image the residual and cut out the facets, from the coarsest band to the finest."""
@@ -278,15 +288,19 @@ def _cut(
 ) -> None:
     """Add the cutouts of a tile's members to their facets."""
 
-    def add(source: int) -> None:
-        cutout, facet = plan.cutouts[source], facets[source]
-        size, place = cutout.size // 2**plan.top, plan.place[source] // 2**plan.top
-        i, j = place - tile.origin - size // 2
-        square = matched.mixed([image[i : i + size, j : j + size] for image in images], source)
-        if plan.top == 0:
-            facet += cutout.transform(square)
-        else:
-            cutout.add_coarse(square, 1.0, facet)
+    def add(sources: Sequence[int]) -> None:
+        for source in sources:
+            cutout, facet = plan.cutouts[source], facets[source]
+            size, place = cutout.size // 2**plan.top, plan.place[source] // 2**plan.top
+            i, j = place - tile.origin - size // 2
+            square = matched.mixed([image[i : i + size, j : j + size] for image in images], source)
+            if plan.top == 0:
+                facet += cutout.transform(square)
+            else:
+                cutout.add_coarse(square, 1.0, facet)
 
-    for _ in executor.map(add, tile.members.tolist()):
+    members = tile.members.tolist()
+    for _ in executor.map(
+        add, (members[k : k + _TOGETHER] for k in range(0, len(members), _TOGETHER))
+    ):
         pass
