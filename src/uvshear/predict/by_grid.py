@@ -9,6 +9,7 @@ more than the sum is summed (``direct``), and so are galaxies that are too brigh
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 
@@ -76,7 +77,7 @@ def predict_by_grid(
     vis = np.zeros((len(uvw), len(frequency)), complex)
     if len(galaxies) == 0:
         return vis
-    planned = list(_planned(galaxies, uvw, frequency, error, profile))
+    planned = list(_planned(galaxies, uvw, frequency, error, profile, executor))
     spectra = (frequency[:, None] / galaxies.reference_frequency) ** galaxies.spectral_index
     shared = SharedFactors.from_factors(spectra, SPECTRAL_TOLERANCE)
 
@@ -91,16 +92,20 @@ def predict_by_grid(
         image = draw_tile(taken, taken.flux * weight, spectrum, octave.band, profile)
         return _Drawn(octave.rows, image)
 
-    # Images are drawn side by side with the sums, because there may be fewer images than workers.
-    tasks: list[Callable[[], _Drawn | None]] = [
+    drawings = [
         partial(drawn, octave, members, k)
         for octave in planned
         for members in octave.tiles
         for k in range(len(shared.chosen))
     ]
-    for octave in planned:
-        if len(octave.summed):
-            tasks += [partial(sums, octave, rows) for rows in _slabs(octave.rows, direct.SLAB)]
+    summations = [
+        partial(sums, octave, rows)
+        for octave in planned
+        if len(octave.summed)
+        for rows in _slabs(octave.rows, direct.SLAB)
+    ]
+    # A drawing holds Python's lock for much of its time, and a sum hardly does.
+    tasks = _mixed(drawings, summations)
     images = [found for found in executor.map(_done, tasks) if found is not None]
 
     def seen(
@@ -146,8 +151,21 @@ class _Drawn:
     image: TileImage
 
 
-def _done(task: "Callable[[], _Drawn | None]") -> _Drawn | None:
+_Work: TypeAlias = Callable[[], _Drawn | None]
+"""A drawing or a sum."""
+
+
+def _done(task: _Work) -> _Drawn | None:
     return task()
+
+
+def _mixed(few: Sequence[_Work], many: Sequence[_Work]) -> Iterator[_Work]:
+    """Yield the tasks of the first list spread evenly among those of the second."""
+    step = len(many) // len(few) if few else 0
+    for number, task in enumerate(few):
+        yield task
+        yield from many[number * step : (number + 1) * step]
+    yield from many[len(few) * step :]
 
 
 def _slabs(rows: Int[Array, " row"], size: int) -> Iterator[Int[Array, " slab"]]:
@@ -161,6 +179,7 @@ def _planned(
     frequency: Float[Array, " chan"],
     error: float,
     profile: Profile,
+    executor: Executor,
 ) -> Iterator[_Octave]:
     """Decide for each octave which galaxies are drawn, on which tiles, and which are summed."""
     per_metre = float(frequency.max()) / SPEED_OF_LIGHT
@@ -170,7 +189,8 @@ def _planned(
     # In the frame of a tile, w is that along the direction of its centre.
     w = np.abs(uvw[:, 2]) * per_metre + slope * distance
     everything, flux = np.arange(len(galaxies)), largest_flux(galaxies, frequency)
-    for band in _octaves(length, galaxies):
+
+    def octave(band: Band) -> _Octave:
         rows = np.flatnonzero(band.holds(length))
         rows = rows[uv_order(uvw[rows])]
         reach = float(w[rows].max(initial=0.0))
@@ -181,10 +201,11 @@ def _planned(
         samples = len(rows) * len(frequency)
         side = cheapest_side(galaxies.select(drawn), band, samples, reach, profile)
         if side is None:
-            yield _Octave(rows, band, (), everything)
-        else:
-            left = np.setdiff1d(everything, drawn)
-            yield _Octave(rows, band, _squares(galaxies, drawn, side), left)
+            return _Octave(rows, band, (), everything)
+        left = np.setdiff1d(everything, drawn)
+        return _Octave(rows, band, _squares(galaxies, drawn, side), left)
+
+    yield from executor.map(octave, _octaves(length, galaxies))
 
 
 def _octaves(length: Float[Array, " row"], galaxies: Galaxies) -> Iterator[Band]:

@@ -16,7 +16,7 @@ from uvshear.predict import kernels
 from uvshear.predict.losses import Losses
 from uvshear.typing import Array, Complex, Float
 
-SLAB, SOURCES = 32768, 4
+SLAB, SOURCES = 16384, 16
 """Number of rows in a slab, and of sources whose envelopes are evaluated at a time. With fewer rows the interpreter
 would take more of the time. The kernels themselves go through the rows in blocks."""
 

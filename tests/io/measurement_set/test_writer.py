@@ -79,7 +79,7 @@ def test_it_is_the_set_that_casacore_writes_with_open_shapes_byte_for_byte(
     path, tmp_path, monkeypatch
 ):
     def create(path, observation):
-        writer._create(path, observation, writer.SAME_SHAPE_COLUMNS)
+        writer._create(path, observation, writer.SAME_SHAPE_COLUMNS, len(observation.coverage))
 
     monkeypatch.setattr(writer, "_create_twice", create)
     monkeypatch.setattr(Path, "write_bytes", lambda *_: None)

@@ -142,20 +142,21 @@ def _tiled(observation: SimulatedObservation) -> dict[str, tuple[Any, str, list[
 
 
 def _create_twice(path: Path, observation: SimulatedObservation) -> bytes:
-    """Create an empty Measurement Set whose shapes are all fixed, and return its description with open shapes.
+    """Create a Measurement Set of one row whose shapes are all fixed, and return the description of the whole set.
 
-    casacore takes 0.3 us for each cell of open shape that is written, and hardly anything for one of fixed shape. The
-    cells are stored in the same way, byte for byte: the sets differ in their descriptions alone.
+    In that description shapes are open. casacore takes 0.3 us for each cell of open shape that is written, and hardly
+    anything for one of fixed shape. The cells are stored in the same way, byte for byte: the sets differ in their
+    descriptions alone.
     """
-    _create(path, observation, SAME_SHAPE_COLUMNS)
+    _create(path, observation, SAME_SHAPE_COLUMNS, len(observation.coverage))
     description = (path / DESCRIPTION).read_bytes()
     shutil.rmtree(path)
-    _create(path, observation, tuple(_tiled(observation)))
+    _create(path, observation, tuple(_tiled(observation)), 1)
     return description
 
 
-def _create(path: Path, observation: SimulatedObservation, fixed: Sequence[str]) -> None:
-    """Create an empty Measurement Set with tiled columns, of the right number of rows.
+def _create(path: Path, observation: SimulatedObservation, fixed: Sequence[str], rows: int) -> None:
+    """Create an empty Measurement Set with tiled columns and this number of rows.
 
     The description fixes the shape of the cells of the columns in ``fixed``.
     """
@@ -188,7 +189,7 @@ def _create(path: Path, observation: SimulatedObservation, fixed: Sequence[str])
         # Rows that are added to an incremental column take over its last value.
         main.addrows(1)
         _write_constants(main, observation)
-        main.addrows(len(observation.coverage) - 1)
+        main.addrows(rows - 1)
 
 
 def _tiled_manager(column: str, shape: list[int], item_bytes: int, rows: int) -> dict[str, Any]:
@@ -223,6 +224,8 @@ def _write_constants(main: tables.table, observation: SimulatedObservation) -> N
 
 def _write_block(main: tables.table, coverage: Coverage, block: CorrelationBlock) -> None:
     start, count = block.first_row, len(block)
+    # Rows that are added and filled at once are written once. Their number is in the description of the whole set.
+    main.addrows(start + count - main.nrows())
     rows = coverage.rows(slice(start, start + count))
     weight_spectrum = 1 / block.sigma**2
     weight = weight_spectrum.mean(axis=1)
