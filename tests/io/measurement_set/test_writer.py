@@ -79,7 +79,9 @@ def test_it_is_the_set_that_casacore_writes_with_open_shapes_byte_for_byte(
     path, tmp_path, monkeypatch
 ):
     def create(path, observation):
-        writer._create(path, observation, writer.SAME_SHAPE_COLUMNS, len(observation.coverage))
+        fixed, rows = writer.SAME_SHAPE_COLUMNS, len(observation.coverage)
+        writer._create(path, observation, fixed, 1)
+        writer._create(tmp_path / "all_rows.ms", observation, fixed, rows)
 
     monkeypatch.setattr(writer, "_create_twice", create)
     monkeypatch.setattr(Path, "write_bytes", lambda *_: None)
@@ -89,6 +91,8 @@ def test_it_is_the_set_that_casacore_writes_with_open_shapes_byte_for_byte(
         {file.name: file.read_bytes() for file in found.iterdir() if file.is_file()}
         for found in (path, slowly)
     )
+    # Its number of rows is as if all of them had been there from the start.
+    others["table.dat"] = (tmp_path / "all_rows.ms" / "table.dat").read_bytes()
     for each in (files, others):
         del each["table.lock"]
     assert len(files) > 10
