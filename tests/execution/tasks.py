@@ -26,8 +26,9 @@ def process(_: object, task: int) -> int:
     return os.getpid()
 
 
-def brief(_: object, task: int) -> None:
+def brief(_: object, task: int) -> tuple[int, int]:
     time.sleep(0.01)
+    return task, os.getpid()
 
 
 def library_threads(_: object, task: int) -> int:

@@ -44,16 +44,38 @@ def test_copies_are_made_only_for_work_that_is_worth_them(monkeypatch) -> None:
         assert os.getpid() not in set(crew.map(work.process, range(9)))
 
 
-def test_small_tasks_come_together_and_long_ones_alone() -> None:
+def test_copies_go_on_where_this_process_has_begun(monkeypatch) -> None:
+    monkeypatch.setattr(copied_crew, "WORTH_COPIES", 0.05)
     with CopiedCrew(None, 2) as crew:
-        list(crew.map(work.nothing, range(100)))
-        list(crew.map(work.brief, range(20)))
-        assert crew._together(work.nothing, 1000) == copied_crew.TOGETHER
-        assert crew._together(work.nothing, 12) == 3
-        assert crew._together(work.nothing, 1) == 1
-        assert crew._together(work.brief, 1000) == 1
-        # Nothing is known of a function that has not been called.
-        assert crew._together(work.process, 1000) == 1
+        numbers, processes = zip(*crew.map(work.brief, range(30)), strict=True)
+        assert list(numbers) == list(range(30))
+        assert processes[0] == os.getpid()
+        assert os.getpid() not in processes[6:]
+        # The work of one call counts for the next one.
+        assert os.getpid() not in {process for _, process in crew.map(work.brief, range(4))}
+
+
+def test_long_tasks_wait_for_none_and_the_last_task_needs_no_copies(monkeypatch) -> None:
+    monkeypatch.setattr(copied_crew, "WORTH_COPIES", 0.005)
+    before = work.children()
+    with CopiedCrew(None, 2) as crew:
+        monkeypatch.delitem(copied_crew._seconds, work.brief, raising=False)
+        assert [process for _, process in crew.map(work.brief, range(1))] == [os.getpid()]
+        assert work.children() == before
+    # By now the function is known to take longer than copies do.
+    with CopiedCrew(None, 2) as crew:
+        assert os.getpid() not in {process for _, process in crew.map(work.brief, range(4))}
+
+
+def test_small_tasks_come_together_and_long_ones_alone() -> None:
+    worth, most = copied_crew.WORTH_A_MESSAGE, copied_crew.TOGETHER
+    assert copied_crew._together(worth / 100, 1000, 2) == most
+    assert copied_crew._together(worth / 3.5, 1000, 2) == 3
+    assert copied_crew._together(worth / 100, 12, 2) == 3
+    assert copied_crew._together(worth / 100, 1, 2) == 1
+    assert copied_crew._together(2 * worth, 1000, 2) == 1
+    # Nothing is known of the first tasks.
+    assert copied_crew._together(float("inf"), 1000, 2) == 1
 
 
 def test_results_keep_their_order_though_the_first_task_ends_last() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.skies import L_BAND, random_baselines
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.held_observation import BYTES_PER_SAMPLE, HeldObservation, held_within
+from uvshear.interferometer.held_observation import HeldObservation
 from uvshear.interferometer.visibilities import Visibilities
 
 ROWS = 20
@@ -30,7 +30,7 @@ class Counting:
 
 def test_an_observation_is_read_once_and_gives_the_same_chunks_again():
     observation = Counting()
-    held = HeldObservation(observation)
+    held = HeldObservation(observation, 1e6)
     first, later = list(held.chunks()), list(held.chunks())
     assert observation.readings == 1
     assert [id(chunk) for chunk in first] == [id(chunk) for chunk in later]
@@ -42,13 +42,18 @@ def test_an_observation_is_read_once_and_gives_the_same_chunks_again():
 
 def test_a_reading_that_was_given_up_is_not_kept():
     observation = Counting()
-    held = HeldObservation(observation)
+    held = HeldObservation(observation, 1e6)
     assert len(list(islice(held.chunks(), 2))) == 2
     assert len(list(held.chunks())) == 3
     assert observation.readings == 2
 
 
 def test_an_observation_that_does_not_fit_is_read_as_often_as_it_is_needed():
-    observation = Counting()
-    assert held_within(observation, 100, 100 * BYTES_PER_SAMPLE - 1) is observation
-    assert isinstance(held_within(observation, 100, 100 * BYTES_PER_SAMPLE), HeldObservation)
+    chunk = next(Counting().chunks())
+    size = 3 * (chunk.uvw.nbytes + chunk.stokes_i.nbytes + chunk.weights.nbytes)
+    for memory, readings in ((size, 1), (size - 1, 2)):
+        observation = Counting()
+        held = HeldObservation(observation, memory)
+        for _ in range(2):
+            assert [chunk.stokes_i[-1, 0] for chunk in held.chunks()] == [0, 1, 2]
+        assert observation.readings == readings

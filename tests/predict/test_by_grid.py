@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.skies import galaxies
-from uvshear.constants import ARCSEC, MICROJANSKY
+from uvshear.constants import ARCSEC, MICROJANSKY, SPEED_OF_LIGHT
 from uvshear.execution import SERIAL, in_threads
 from uvshear.galaxy import Exponential, Gaussian, Sersic
 from uvshear.geometry.directions import PhaseCentre
@@ -156,3 +156,22 @@ def test_drawings_are_spread_among_sums():
     assert mixed("abc", "1234567") == "a12b34c567"
     assert mixed("abc", "1") == "abc1"
     assert mixed("", "12") == "12"
+
+
+def test_the_baselines_that_represent_an_octave_have_all_channels(monkeypatch):
+    seen = []
+
+    def spy(galaxies, uvw, profile):
+        seen.append(np.linalg.norm(uvw, axis=1) * SPEED_OF_LIGHT / 1e3)
+        return drawable.relative_error(galaxies, uvw, profile)
+
+    monkeypatch.setattr(by_grid, "relative_error", spy)
+    directions = np.random.default_rng(1).normal(size=(500, 3))
+    uvw = 1e3 * directions / np.linalg.norm(directions, axis=1)[:, None]
+    channels = np.linspace(0.95e9, 1.7e9, 300)
+    predict_by_grid(_sky(0.004), uvw, channels, 1e-5)
+    frequency = np.concatenate(seen)
+    assert len(frequency) >= by_grid.PROBES
+    assert frequency.min() < 1.0e9
+    assert frequency.max() > 1.65e9
+    assert np.mean(frequency) == pytest.approx(np.mean(channels), rel=0.02)

@@ -5,6 +5,7 @@ writes to it, and starts within milliseconds. Only tasks, news and results are s
 """
 
 import gc
+import math
 import os
 import pickle
 import select
@@ -17,13 +18,13 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import chain, islice
 from typing import Any, Final, NoReturn, Self
 
 from uvshear.execution.copying import copy_process
 from uvshear.execution.crew import Crew, Result, Shared, Task
 
-AHEAD: Final = 32
+AHEAD: Final = 16
 """Number of tasks for each copy that are begun before the result of the first of them is taken, at most."""
 
 TOGETHER: Final = 8
@@ -49,8 +50,8 @@ _LENGTH: Final = struct.Struct("=q")
 _copies: set[int] = set()
 """Copies that have not ended yet."""
 
-_tried: set[Callable[..., Any]] = set()
-"""Functions that this process has called: what they compile or load, copies have from the start."""
+_seconds: dict[Callable[..., Any], float] = {}
+"""Functions that this process has called, and how long the last call took [s]."""
 
 
 @dataclass
@@ -76,7 +77,7 @@ class CopiedCrew(Crew[Shared]):
     def __init__(self, shared: Shared, workers: int) -> None:
         self._shared, self._workers = shared, workers
         self._copies: list[_Copy] = []
-        self._seconds: dict[Callable[..., Any], float] = {}
+        self._worked = 0.0
 
     def __enter__(self) -> Self:
         return self
@@ -92,19 +93,18 @@ class CopiedCrew(Crew[Shared]):
     ) -> Iterator[Result]:
         """Yield the results; ``AHEAD`` tasks for each copy are begun before them, at most."""
         waiting = iter(tasks)
-        # A new function is called here first: what it compiles, copies have from the start.
-        until = time.perf_counter() + (0 if self._copies else WORTH_COPIES)
-        while function not in _tried or time.perf_counter() < until:
-            try:
-                task = next(waiting)
-            except StopIteration:
+        for task in waiting:
+            # What a new function compiles, copies that are made after its first call have from the start.
+            if function in _seconds and (self._copies or self._is_worth_copies(function)):
+                if not self._copies:
+                    self._start()
+                yield from self._results(function, enumerate(chain([task], waiting)))
                 return
+            start = time.perf_counter()
             result = function(self._shared, task)
-            _tried.add(function)
+            _seconds[function] = time.perf_counter() - start
+            self._worked += _seconds[function]
             yield result
-        if not self._copies:
-            self._start()
-        yield from self._results(function, enumerate(waiting))
 
     def tell(self, change: Callable[..., None], *news: Any) -> None:
         """Call ``change(shared, *news)`` in every copy before its next task."""
@@ -136,7 +136,7 @@ class CopiedCrew(Crew[Shared]):
         copies = {copy.channel.fileno(): copy for copy in self._copies}
         begun: dict[int, deque[list[int]]] = {descriptor: deque() for descriptor in copies}
         known: dict[int, tuple[bool, Any]] = {}
-        wanted, in_hand = 0, deque[tuple[int, Any]]()
+        wanted, in_hand, each_takes = 0, deque[tuple[int, Any]](), math.inf
         while True:
             unfinished = len(known) + sum(len(each) for queue in begun.values() for each in queue)
             in_hand.extend(islice(waiting, AHEAD * self._workers - unfinished - len(in_hand)))
@@ -147,19 +147,16 @@ class CopiedCrew(Crew[Shared]):
                 # The last tasks wait for the copy that is free first.
                 if len(begun[descriptor]) >= (QUEUED if len(in_hand) > self._workers else 1):
                     break
-                count = self._together(function, len(in_hand))
-                numbers, tasks = zip(*islice(in_hand, count), strict=True)
+                count = _together(each_takes, len(in_hand), self._workers)
                 copy = copies[descriptor]
-                packed = _packed((copy.news, function, tasks))
+                packed = _packed((copy.news, function, [t for _, t in islice(in_hand, count)]))
                 if begun[descriptor] and len(packed) > SMALL:
                     break
-                for _ in range(count):
-                    in_hand.popleft()
                 _send(copy.channel, packed)
                 copy.news = []
                 if not begun[descriptor]:
                     answers.register(descriptor, select.POLLIN)
-                begun[descriptor].append(list(numbers))
+                begun[descriptor].append([in_hand.popleft()[0] for _ in range(count)])
             while wanted in known:
                 is_error, found = known.pop(wanted)
                 if is_error:
@@ -170,16 +167,30 @@ class CopiedCrew(Crew[Shared]):
                 continue
             for descriptor, _ in answers.poll():
                 seconds, found_now = _received(copies[descriptor].channel)
-                self._seconds[function] = seconds / len(found_now)
+                each_takes = seconds / len(found_now)
                 known.update(zip(begun[descriptor].popleft(), found_now, strict=True))
                 if not begun[descriptor]:
                     answers.unregister(descriptor)
 
-    def _together(self, function: Callable[..., Any], left: int) -> int:
-        """Choose the number of tasks of the next message: fewer and fewer, so that all copies end at the same time."""
-        seconds = self._seconds.get(function, WORTH_A_MESSAGE)
-        worthwhile = int(WORTH_A_MESSAGE / max(seconds, 1e-9))
-        return max(1, min(worthwhile, left // (2 * self._workers), TOGETHER))
+    def _is_worth_copies(self, function: Callable[..., Any]) -> bool:
+        """Tell whether this process alone would work longer than it takes to make copies."""
+        return self._worked + _seconds[function] > WORTH_COPIES
+
+
+def _together(seconds: float, left: int, workers: int) -> int:
+    """Choose the number of tasks of the next message: fewer and fewer, so that all copies end at the same time.
+
+    Parameters
+    ----------
+    seconds
+        Time that each of the last tasks took [s].
+    left
+        Number of tasks that are left.
+    workers
+        Number of copies.
+    """
+    worthwhile = WORTH_A_MESSAGE / max(seconds, 1e-9)
+    return max(1, min(int(worthwhile), left // (2 * workers), TOGETHER))
 
 
 def end_copies() -> None:

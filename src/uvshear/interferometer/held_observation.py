@@ -6,21 +6,22 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.screening import screened_chunks
 from uvshear.interferometer.visibilities import Observation, Visibilities
 
-BYTES_PER_SAMPLE = 80
-"""Memory for each sample of an observation with a single channel; with more channels it is less."""
-
 
 class HeldObservation:
-    """An observation that is read once, and then stays in memory without the samples that cannot be right.
+    """An observation that is read once, and then stays in memory if it fits into a part of it.
+
+    Samples that cannot be right have a weight of zero. A chunk is not changed by those who have read it.
 
     Parameters
     ----------
     observation
         The observation.
+    memory
+        Memory that it may take [bytes]; an observation that takes more is read again each time.
     """
 
-    def __init__(self, observation: Observation) -> None:
-        self._observation = observation
+    def __init__(self, observation: Observation, memory: float) -> None:
+        self._observation, self._memory = observation, memory
         self._held: tuple[Visibilities, ...] | None = None
 
     @property
@@ -33,23 +34,21 @@ class HeldObservation:
         if self._held is not None:
             yield from self._held
             return
-        read = []
+        read: list[Visibilities] = []
+        taken = 0
         for chunk in screened_chunks(self._observation):
-            read.append(chunk)
+            taken += _bytes_of(chunk)
+            if taken <= self._memory:
+                read.append(chunk)
+            else:
+                read.clear()
             yield chunk
-        self._held = tuple(read)
+        if taken <= self._memory:
+            self._held = tuple(read)
 
 
-def held_within(observation: Observation, samples: int, memory: float) -> Observation:
-    """Return an observation that stays in memory, or the observation itself where this memory is too small for it.
-
-    Parameters
-    ----------
-    observation
-        The observation.
-    samples
-        Its number of samples.
-    memory
-        Memory that it may take [bytes].
-    """
-    return HeldObservation(observation) if samples * BYTES_PER_SAMPLE <= memory else observation
+def _bytes_of(chunk: Visibilities) -> int:
+    arrays = [chunk.uvw, chunk.stokes_i, chunk.weights]
+    if (seen := chunk.integrations) is not None:
+        arrays += [seen.antennas, seen.time, seen.interval]
+    return sum(array.nbytes for array in arrays)

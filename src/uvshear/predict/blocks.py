@@ -8,7 +8,7 @@ from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Visibilities
 from uvshear.predict.gridded import Gridding
 
-_AT_A_TIME = 2**19
+_AT_A_TIME = 2**16
 """Number of visibilities that a worker selects from at a time."""
 
 
@@ -33,7 +33,7 @@ class BlockAccumulator(Accumulator[Result_co]):
 
     def add(self, seen: Visibilities) -> None:
         """Take in the samples of a chunk."""
-        rows = max(1, _AT_A_TIME // len(seen.frequency))
+        rows = max(1, _AT_A_TIME // max(1, len(seen.frequency)))
 
         def select(first: int) -> Samples:
             part = seen.of_rows(slice(first, first + rows))

@@ -6,6 +6,7 @@ degridded. The longest baselines are few and would need the largest images: an o
 more than the sum is summed (``direct``), and so are galaxies that are too bright or too large for the images.
 """
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -38,7 +39,9 @@ FEWEST_PIXELS = 256
 """Width of the image of the whole field below which baselines are not divided further [pixels]."""
 
 PROBES = 64
-"""Number of baselines that represent those of an octave."""
+"""Number of baselines that represent those of an octave, at least; twice as many at most."""
+
+GOLDEN_RATIO = (math.sqrt(5) - 1) / 2
 
 SLAB = 2**20
 """Largest number of visibilities that one call of the gridder computes. It does not depend on the number of workers, so
@@ -104,7 +107,7 @@ def predict_by_grid(
         if len(octave.summed)
         for rows in _slabs(octave.rows, direct.SLAB)
     ]
-    # A drawing holds Python's lock for much of its time, and a sum hardly does.
+    # A drawing holds Python's lock for much of its time, and a sum hardly does: two drawings would wait for each other.
     tasks = _mixed(drawings, summations)
     images = [found for found in executor.map(_done, tasks) if found is not None]
 
@@ -159,13 +162,13 @@ def _done(task: _Work) -> _Drawn | None:
     return task()
 
 
-def _mixed(few: Sequence[_Work], many: Sequence[_Work]) -> Iterator[_Work]:
-    """Yield the tasks of the first list spread evenly among those of the second."""
-    step = len(many) // len(few) if few else 0
-    for number, task in enumerate(few):
-        yield task
-        yield from many[number * step : (number + 1) * step]
-    yield from many[len(few) * step :]
+def _mixed(drawings: Sequence[_Work], summations: Sequence[_Work]) -> Iterator[_Work]:
+    """Yield the drawings spread evenly among the sums."""
+    step = len(summations) // len(drawings) if drawings else 0
+    for number, drawing in enumerate(drawings):
+        yield drawing
+        yield from summations[number * step : (number + 1) * step]
+    yield from summations[len(drawings) * step :]
 
 
 def _slabs(rows: Int[Array, " row"], size: int) -> Iterator[Int[Array, " slab"]]:
@@ -192,11 +195,15 @@ def _planned(
 
     def octave(band: Band) -> _Octave:
         rows = np.flatnonzero(band.holds(length))
+        if math.isinf(profile.extent):
+            return _Octave(rows, band, (), everything)
         rows = rows[uv_order(uvw[rows])]
         reach = float(w[rows].max(initial=0.0))
         probes = uvw[rows[:: max(1, len(rows) // PROBES)]]
-        seen = np.resize(frequency, len(probes))[:, None] / SPEED_OF_LIGHT
-        wrong = flux * relative_error(galaxies, probes * seen, profile)
+        # Multiples of the golden ratio spread over the band, whatever the order of the rows.
+        place = np.arange(1, len(probes) + 1) * GOLDEN_RATIO % 1
+        seen = frequency[(place * len(frequency)).astype(int)] / SPEED_OF_LIGHT
+        wrong = flux * relative_error(galaxies, probes * seen[:, None], profile)
         drawn = suited(wrong, stamp_sizes(galaxies, band.pixel, profile), FOR_IMAGES * error)
         samples = len(rows) * len(frequency)
         side = cheapest_side(galaxies.select(drawn), band, samples, reach, profile)

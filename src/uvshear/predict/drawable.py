@@ -15,7 +15,7 @@ RELATIVE_ERROR = 1e-6
 """Root mean square error of a galaxy's visibilities over its flux, by drawing and gridding."""
 
 STEP = 0.1
-"""Distance between the points at which an envelope is differentiated, over 1/(2 pi alpha)."""
+"""Distance between the points at which an envelope is differentiated, over 1/(2 pi alpha) along the major axis."""
 
 LEAST_SIZE = 1e-12
 """Scale length of what is as good as a point source [rad]."""

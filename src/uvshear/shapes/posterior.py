@@ -289,7 +289,7 @@ class _Lattice:
             inner = frontier[log_density > highest - DEPTH]
             frontier = self._new_points((inner[:, None, :] + _NEIGHBOURS).reshape(-1, 3))
             self._is_full |= self._count > self._most
-        # Where no shape has any likelihood, nothing is known of its extent.
+        # Where no shape has any likelihood, nothing is known of the extent of the posterior.
         is_covered = len(frontier) == 0 and not self._is_full and highest > -math.inf
         return self._collect(found, np.concatenate(points), is_covered=is_covered)
 

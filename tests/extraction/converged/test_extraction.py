@@ -232,7 +232,7 @@ def test_the_last_major_cycle_takes_the_longest_baselines(array, monkeypatch, mo
     assert longest == [False] * min(most_major_cycles - 1, 2) + [True]
 
 
-@pytest.mark.parametrize("bytes_per_sample", [300, 3000])
+@pytest.mark.parametrize("bytes_per_sample", [165, 3000])
 def test_the_visibilities_are_read_once_a_major_cycle_or_once_if_they_fit(array, bytes_per_sample):
     """The beams come with the first."""
 
@@ -256,7 +256,7 @@ def test_the_visibilities_are_read_once_a_major_cycle_or_once_if_they_fit(array,
     setting = replace(OPTIONS.setting, resources=Resources(SERIAL, memory))
     extracted = ConvergedExtraction().extract(counted, field, setting)
     cycles = extracted.record["major_cycles"]
-    assert len(counted.readings) == (cycles if bytes_per_sample == 300 else 1)
+    assert len(counted.readings) == (cycles if bytes_per_sample == 165 else 1)
     assert cycles >= 2
 
 

@@ -31,7 +31,7 @@ from uvshear.predict.response import Response, SeenAs
 from uvshear.typing import Array, Complex, Float, Int
 
 _AT_A_TIME = 2**19
-"""Number of samples whose bands a worker tells at a time."""
+"""Number of samples whose bands a worker finds at a time."""
 
 _TOGETHER = 32
 """Number of sources whose facets are one task."""

@@ -27,13 +27,13 @@ FEW_PROBES = 512
 
 _SAMPLE, _PIXEL, _PIXEL_AND_RADIAN = 1000.0, 90.0, 3.5
 """Costs of degridding and imaging a tile once, on one core [ns]: of a sample, of a pixel, and of a pixel for each
-radian that w turns the corner of the tile, for which the gridder needs further planes."""
+radian of the phase that the largest w causes in the corner of the tile, for which the gridder needs further planes."""
 
 _USUAL_PHASE = 15.0
 """Phase in the corner of a tile [rad]."""
 
-_READ_AGAIN = 3
-"""Number of times that all bands but the finest are used; the finest is used in the last major cycle."""
+_CYCLES = 3
+"""Number of major cycles, of which the finest band is used in the last one alone."""
 
 
 def work_of(samples: int, tile: Tile, phase: float = _USUAL_PHASE) -> float:
@@ -93,7 +93,7 @@ def _cores(
     fewest = max(1, math.ceil(pixels / (CORE - 1)))
     parts, most = fewest, 2 * fewest if is_common else math.ceil(pixels / SMALLEST_CORE)
     while parts <= max(most, fewest):
-        yield min(math.floor(pixels / parts) + 1, CORE)
+        yield math.floor(pixels / parts) + 1
         parts = parts + 1 if is_common else 2 * parts
 
 
@@ -112,9 +112,13 @@ def _work_of_plan(
         for tile in tiles:
             images = 1
             if factors is not None:
-                seen = factors[inside] if np.count_nonzero(inside) >= len(factors) // 8 else factors
+                seen = (
+                    factors[inside]
+                    if np.count_nonzero(inside) >= max(1, len(factors) // 8)
+                    else factors
+                )
                 images = len(SharedFactors.from_factors(seen[:, tile.members]).chosen)
             phase = turn * (tile.size * band.pixel / 2) ** 2
             work = images * work_of(in_band, tile, phase)
-            total += work * (_READ_AGAIN if number else 1)
+            total += work * (_CYCLES if number else 1)
     return total

@@ -156,7 +156,7 @@ def _create_twice(path: Path, observation: SimulatedObservation) -> bytes:
 
 
 def _create(path: Path, observation: SimulatedObservation, fixed: Sequence[str], rows: int) -> None:
-    """Create an empty Measurement Set with tiled columns and this number of rows.
+    """Create a Measurement Set of this number of rows, with tiled columns that are not filled yet.
 
     The description fixes the shape of the cells of the columns in ``fixed``.
     """
@@ -224,7 +224,7 @@ def _write_constants(main: tables.table, observation: SimulatedObservation) -> N
 
 def _write_block(main: tables.table, coverage: Coverage, block: CorrelationBlock) -> None:
     start, count = block.first_row, len(block)
-    # Rows that are added and filled at once are written once. Their number is in the description of the whole set.
+    # A row that is added just before it is filled is written once, and not twice.
     main.addrows(start + count - main.nrows())
     rows = coverage.rows(slice(start, start + count))
     weight_spectrum = 1 / block.sigma**2
