@@ -1,9 +1,12 @@
+import importlib
 import re
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import typer
@@ -195,3 +198,21 @@ def test_main_exits_with_the_status_of_the_command(capfd: pytest.CaptureFixture[
         application.main(["layouts", "alma"])
     assert ended.value.code == 2
     assert capfd.readouterr().err.count("\n") == 1
+
+
+def test_a_thread_that_imports_is_known(tmp_path, monkeypatch):
+    """What is half imported when a signal comes would not survive an interruption."""
+    (tmp_path / "slow_to_import.py").write_text(
+        "import gate_of_the_test as gate\ngate.begun.set()\ngate.may_end.wait(10)\n"
+    )
+    gate = SimpleNamespace(begun=threading.Event(), may_end=threading.Event())
+    monkeypatch.setitem(sys.modules, "gate_of_the_test", gate)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    importing = threading.Thread(target=importlib.import_module, args=("slow_to_import",))
+    importing.start()
+    assert gate.begun.wait(10)
+    assert application._is_importing(importing)
+    gate.may_end.set()
+    importing.join(10)
+    assert not application._is_importing(importing)
+    assert not application._is_importing(threading.current_thread())

@@ -47,7 +47,7 @@ def reads(monkeypatch: pytest.MonkeyPatch) -> Reads:
 
 
 @pytest.mark.parametrize("more", ["", "--keep moments", "--uv-min 10"])
-def test_a_set_is_read_once_before_the_major_cycles_and_once_after_at_most(
+def test_a_small_set_is_read_before_within_and_after_the_major_cycles_once_at_most(
     uvshear: Callable, reads: Reads, tmp_path: Path, field: Path, catalogue: Path, more: str
 ) -> None:
     with tables.table(str(field), ack=False) as main:
@@ -59,10 +59,10 @@ def test_a_set_is_read_once_before_the_major_cycles_and_once_after_at_most(
     assert outcome.status == 0, outcome.err
     cycles = extraction_record(read_shapes(output))["major_cycles"]
     assert isinstance(cycles, int)
-    assert 1 <= cycles < 20
-    assert reads.passes <= 1 + cycles + 1
+    assert 2 <= cycles < 20
+    assert 2 <= reads.passes <= 3
     # The visibilities themselves, whichever way they leave casacore.
-    assert rows * cycles <= reads.rows["DATA"] <= rows * (1 + cycles + 1)
+    assert rows <= reads.rows["DATA"] <= rows * 3
 
 
 def test_a_residual_image_reads_once_more(

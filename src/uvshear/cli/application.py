@@ -145,13 +145,13 @@ def _stop(
     worker: threading.Thread, ending: EndRequest, events: "SimpleQueue[Outcome | EndRequest]"
 ) -> Outcome:
     """Interrupt the command; if compiled code does not return soon, end the process at once."""
-    interrupt = ctypes.py_object(KeyboardInterrupt)
-    ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(worker.ident or 0), interrupt)
-    from uvshear.execution import end_copies, end_processes  # noqa: PLC0415 - help must not wait for it
-
     event: Outcome | EndRequest = ending
-    with suppress(Empty):
-        event = events.get(timeout=GRACE)  # another signal: the user is in a hurry
+    # An import that is interrupted may leave a library half loaded, or a lock that nobody releases.
+    if not _is_importing(worker):
+        interrupt = ctypes.py_object(KeyboardInterrupt)
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(worker.ident or 0), interrupt)
+        with suppress(Empty):
+            event = events.get(timeout=GRACE)  # another signal: the user is in a hurry
     if isinstance(event, Outcome) and event.status == 0:
         return event  # it was done already
     remove_unfinished()
@@ -159,10 +159,26 @@ def _stop(
     # Threads of a pool end when their tasks are done, for which the interpreter would wait.
     if not isinstance(event, Outcome) or threading.active_count() > 1:
         _told(stopped)
-        end_processes()
-        end_copies()
+        # What has not been imported has started nothing.
+        execution = sys.modules.get("uvshear.execution")
+        for name in ("end_processes", "end_copies"):
+            getattr(execution, name, _nothing)()
         os._exit(stopped.status)
     return stopped
+
+
+def _is_importing(worker: threading.Thread) -> bool:
+    """Tell whether a thread is within an import."""
+    frame = sys._current_frames().get(worker.ident or 0)
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
+
+
+def _nothing() -> None:
+    pass
 
 
 def _outcome(arguments: Sequence[str] | None, output: StandardStream) -> Outcome:
