@@ -74,8 +74,4 @@ def natural_norms(
         gain = np.exp(2 * index * (cells.log_frequency - math.log(reference))).astype(np.float32)
         return float(np.sum(weight * gain * profile.envelope(q) ** 2, dtype=float))
 
-    def of_part(first: int) -> list[float]:
-        return [norm(source) for source in range(first, min(first + _TOGETHER, len(galaxies)))]
-
-    parts = executor.map(of_part, range(0, len(galaxies), _TOGETHER))
-    return np.array([found for part in parts for found in part])
+    return np.array(list(executor.map_together(norm, range(len(galaxies)), _TOGETHER)))

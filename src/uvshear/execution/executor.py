@@ -1,7 +1,7 @@
 """The base class of executors: tasks in parallel, with results in the order of the tasks."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 from uvshear.execution.crew import Crew, LocalCrew, Result, Shared, Task
@@ -30,6 +30,17 @@ class Executor(ABC):
         Tasks are taken from the iterable as they are begun, so that a generator of large tasks is never held as a
         whole.
         """
+
+    def map_together(
+        self, function: Callable[[Task], Result], tasks: Sequence[Task], together: int
+    ) -> Iterator[Result]:
+        """Do the same as :meth:`map` for small tasks, of which a worker takes several at a time."""
+
+        def of_part(first: int) -> list[Result]:
+            return [function(task) for task in tasks[first : first + together]]
+
+        for part in self.map(of_part, range(0, len(tasks), together)):
+            yield from part
 
     @abstractmethod
     def distribute(

@@ -143,18 +143,15 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
 
     def total(self) -> Facets:
         """Return the facets, centred on their sources."""
-        plan, count = self._plan, len(self._facets)
+        plan = self._plan
 
-        def centred(first: int) -> list[Complex[Array, " _"]]:
-            facets = []
-            for source in range(first, min(first + _TOGETHER, count)):
-                facet = self._facets[source].copy()
-                plan.cutouts[source].recentre(facet, tuple(plan.offset[source]))
-                facets.append(facet)
-            return facets
+        def centred(source: int) -> Complex[Array, " _"]:
+            facet = self._facets[source].copy()
+            plan.cutouts[source].recentre(facet, tuple(plan.offset[source]))
+            return facet
 
-        parts = self._gridding.executor.map(centred, range(0, count, _TOGETHER))
-        return tuple(facet for part in parts for facet in part)
+        sources = range(len(self._facets))
+        return tuple(self._gridding.executor.map_together(centred, sources, _TOGETHER))
 
     def add_block(self, samples: Samples) -> None:
         """Subtract the models, image the residual and cut out the facets, from the coarsest band to the finest."""
@@ -288,19 +285,15 @@ def _cut(
 ) -> None:
     """Add the cutouts of a tile's members to their facets."""
 
-    def add(sources: Sequence[int]) -> None:
-        for source in sources:
-            cutout, facet = plan.cutouts[source], facets[source]
-            size, place = cutout.size // 2**plan.top, plan.place[source] // 2**plan.top
-            i, j = place - tile.origin - size // 2
-            square = matched.mixed([image[i : i + size, j : j + size] for image in images], source)
-            if plan.top == 0:
-                facet += cutout.transform(square)
-            else:
-                cutout.add_coarse(square, 1.0, facet)
+    def add(source: int) -> None:
+        cutout, facet = plan.cutouts[source], facets[source]
+        size, place = cutout.size // 2**plan.top, plan.place[source] // 2**plan.top
+        i, j = place - tile.origin - size // 2
+        square = matched.mixed([image[i : i + size, j : j + size] for image in images], source)
+        if plan.top == 0:
+            facet += cutout.transform(square)
+        else:
+            cutout.add_coarse(square, 1.0, facet)
 
-    members = tile.members.tolist()
-    for _ in executor.map(
-        add, (members[k : k + _TOGETHER] for k in range(0, len(members), _TOGETHER))
-    ):
+    for _ in executor.map_together(add, tile.members.tolist(), _TOGETHER):
         pass
