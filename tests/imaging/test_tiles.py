@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from uvshear.imaging.interpolation import add_refined
-from uvshear.imaging.tiles import TAPS, Footprint, plan_tiles
+from uvshear.imaging.tiles import TAPS, Footprint, Tiling, plan_tiles
 
 PIXEL = 2e-6
 
@@ -17,7 +17,7 @@ def _footprint(seed, sources, span):
     return Footprint(l, m, rng.uniform(5, 30, sources) * PIXEL)
 
 
-CORE = 300
+TILING = Tiling(300)
 """Tiles of 300 pixels: many of them, none large."""
 
 footprints = st.builds(
@@ -32,17 +32,20 @@ limits = st.one_of(
 """Half of the widths that the tiles of four bands may have."""
 
 
-def _plan(footprint, bands, limit):
-    return plan_tiles(footprint, PIXEL, bands, CORE, limit and limit[:bands])
+unjoined = st.integers(1, 4)
+
+
+def _plan(footprint, bands, limit, unjoined):
+    return plan_tiles(footprint, PIXEL, bands, Tiling(300, unjoined), limit and limit[:bands])
 
 
 quickly = settings(deadline=None, max_examples=25)
 
 
 @quickly
-@given(footprints, st.integers(1, 4), limits)
-def test_every_source_is_in_exactly_one_tile_of_each_band(footprint, bands, limit):
-    plan = _plan(footprint, bands, limit)
+@given(footprints, st.integers(1, 4), limits, unjoined)
+def test_every_source_is_in_exactly_one_tile_of_each_band(footprint, bands, limit, unjoined):
+    plan = _plan(footprint, bands, limit, unjoined)
     assert len(plan) == bands
     for tiles in plan:
         members = np.concatenate([tile.members for tile in tiles])
@@ -51,9 +54,9 @@ def test_every_source_is_in_exactly_one_tile_of_each_band(footprint, bands, limi
 
 
 @quickly
-@given(footprints, st.integers(1, 4), limits)
-def test_every_facet_is_inside_its_tile_in_every_band(footprint, bands, limit):
-    for band, tiles in enumerate(_plan(footprint, bands, limit)):
+@given(footprints, st.integers(1, 4), limits, unjoined)
+def test_every_facet_is_inside_its_tile_in_every_band(footprint, bands, limit, unjoined):
+    for band, tiles in enumerate(_plan(footprint, bands, limit, unjoined)):
         step = PIXEL * 2**band
         for tile in tiles:
             half = footprint.half_width[tile.members]
@@ -64,11 +67,11 @@ def test_every_facet_is_inside_its_tile_in_every_band(footprint, bands, limit):
 
 
 @quickly
-@given(footprints, st.integers(2, 4), limits)
+@given(footprints, st.integers(2, 4), limits, unjoined)
 def test_a_parent_covers_its_children_and_what_interpolation_reaches_beyond(
-    footprint, bands, limit
+    footprint, bands, limit, unjoined
 ):
-    plan = _plan(footprint, bands, limit)
+    plan = _plan(footprint, bands, limit, unjoined)
     assert all(tile.parent == -1 for tile in plan[-1])
     for fine, coarse in pairwise(plan):
         for tile in fine:
@@ -83,7 +86,7 @@ def test_a_parent_covers_its_children_and_what_interpolation_reaches_beyond(
 
 def test_a_parent_can_be_refined_onto_every_child():
     footprint = _footprint(5, 30, 900.0)
-    fine, coarse = plan_tiles(footprint, PIXEL, 2, CORE)
+    fine, coarse = plan_tiles(footprint, PIXEL, 2, TILING)
     assert len(fine) > len(coarse) > 1
     for tile in fine:
         above = coarse[tile.parent]
@@ -96,7 +99,7 @@ def test_a_parent_can_be_refined_onto_every_child():
 @quickly
 @given(footprints, st.integers(1, 4))
 def test_all_tiles_lie_on_one_lattice(footprint, bands):
-    for band, tiles in enumerate(plan_tiles(footprint, PIXEL, bands, CORE)):
+    for band, tiles in enumerate(plan_tiles(footprint, PIXEL, bands, TILING)):
         for tile in tiles:
             assert tile.band == band
             assert tile.size % 2 == 0
@@ -107,9 +110,18 @@ def test_all_tiles_lie_on_one_lattice(footprint, bands):
 
 
 @quickly
+@given(footprints, unjoined)
+def test_tiles_are_joined_beyond_the_bands_that_divide_the_field_alike(footprint, unjoined):
+    plan = _plan(footprint, 4, None, unjoined)
+    for band, fine in enumerate(plan[:-1], start=1):
+        of_parent = np.bincount([tile.parent for tile in fine])
+        assert of_parent.max() <= (1 if band < unjoined else 4)
+
+
+@quickly
 @given(footprints)
 def test_a_tile_is_no_wider_than_its_core_with_the_facets_at_its_edges(footprint):
-    (tiles,) = plan_tiles(footprint, PIXEL, 1, CORE)
+    (tiles,) = plan_tiles(footprint, PIXEL, 1, TILING)
     for tile in tiles:
         for x in (footprint.l, footprint.m):
             assert np.ptp(x[tile.members]) <= 300.0001 * PIXEL
@@ -117,9 +129,9 @@ def test_a_tile_is_no_wider_than_its_core_with_the_facets_at_its_edges(footprint
 
 
 @quickly
-@given(footprints, st.integers(1, 4), limits.filter(bool))
-def test_no_tile_is_wider_than_the_limit_of_its_band(footprint, bands, limit):
-    for band, tiles in enumerate(_plan(footprint, bands, limit)):
+@given(footprints, st.integers(1, 4), limits.filter(bool), unjoined)
+def test_no_tile_is_wider_than_the_limit_of_its_band(footprint, bands, limit, unjoined):
+    for band, tiles in enumerate(_plan(footprint, bands, limit, unjoined)):
         for tile in tiles:
             for x in (footprint.l, footprint.m):
                 assert np.ptp(x[tile.members]) <= 2.0001 * limit[band]
@@ -134,5 +146,5 @@ def test_the_sources_of_a_tile_are_about_its_centre():
 def test_only_places_with_sources_have_tiles():
     l = np.array([0.0, 3000.0]) * PIXEL
     footprint = Footprint(l, l, np.full(2, 10 * PIXEL))
-    (tiles,) = plan_tiles(footprint, PIXEL, 1, CORE)
+    (tiles,) = plan_tiles(footprint, PIXEL, 1, TILING)
     assert len(tiles) == 2  # of a hundred boxes

@@ -31,7 +31,7 @@ CHANNELS = np.array([1.05e9, 1.2e9, 1.4e9])
 def _small_tiles():
     """Four tiles and more in the finest band, where one would do."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tiles, "CORE", 600)
+        patch.setattr(tiles, "WIDEST", 600)
         yield
 
 

@@ -6,13 +6,13 @@ band 0. A tile is imaged in the plane tangent at its centre, where w hardly matt
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from uvshear.typing import Array, Float, Int
 
-CORE = 3584
+WIDEST = 3584
 """Largest number of pixels of the finest band that a tile covers along a side, without its margins. With fewer, the
 margins and the samples cost time, and with more, w and memory do."""
 
@@ -55,6 +55,23 @@ class Tile:
 
 
 @dataclass(frozen=True)
+class Tiling:
+    """How tiles divide a field.
+
+    Parameters
+    ----------
+    width
+        Largest number of pixels of the finest band that a tile of this band covers along a side, without its margins.
+    unjoined
+        Number of bands, beginning with the finest, whose tiles divide the field into the same parts. In each of the
+        coarser bands a tile covers two by two tiles of the next finer one.
+    """
+
+    width: int = field(default_factory=lambda: WIDEST)
+    unjoined: int = 1
+
+
+@dataclass(frozen=True)
 class Footprint:
     """Squares of sky, one for each source, that tiles must hold.
 
@@ -75,7 +92,7 @@ def plan_tiles(
     footprint: Footprint,
     pixel: float,
     bands: int,
-    core: int = CORE,
+    tiling: Tiling | None = None,
     half_widths: Sequence[float] | None = None,
 ) -> tuple[tuple[Tile, ...], ...]:
     """Plan the tiles of each band, beginning with the finest; parts of the sky without sources have none.
@@ -88,14 +105,15 @@ def plan_tiles(
         Width of the pixels of the finest band [rad].
     bands
         Number of bands.
-    core
-        Largest number of pixels of the finest band that a tile covers along a side, without its margins.
+    tiling
+        How the tiles divide the field; into as few as possible unless given.
     half_widths
         Half of the width that a tile of each band may have without its margins [rad]; no limit unless given.
     """
-    widest = min(core * pixel, 2 * min(half_widths or [math.inf]))
+    tiling = tiling or Tiling()
+    widest = min(tiling.width * pixel, 2 * min(half_widths or [math.inf]))
     boxes, box = _boxes(footprint, widest)
-    joined = _joined(half_widths or [math.inf] * bands, box)
+    joined = _joined(half_widths or [math.inf] * bands, box, tiling.unjoined)
     plans: list[tuple[Tile, ...]] = []
     children: dict[tuple[int, int], list[Tile]] = {}
     previous: list[list[int]] = []
@@ -131,14 +149,14 @@ def _boxes(footprint: Footprint, widest: float) -> tuple[Int[Array, "source 2"],
     return np.minimum(place, parts - 1).astype(int), float((extent / parts).max())
 
 
-def _joined(half_widths: Sequence[float], box: float) -> list[int]:
+def _joined(half_widths: Sequence[float], box: float, unjoined: int) -> list[int]:
     """Return how often boxes are joined, two by two along each axis, in the tiles of each band: at most once a band."""
     joined = [0]
     for band in range(1, len(half_widths)):
         # Coarser bands have the boxes of this one, or larger ones, and therefore limit it.
         ratio = 2 * min(half_widths[band:]) / box if box > 0 else math.inf
         most = math.floor(math.log2(min(max(ratio, 1.0), 2.0**MOST_JOINED)) + 1e-9)
-        joined.append(min(joined[-1] + 1, most))
+        joined.append(min(joined[-1] + int(band >= unjoined), most))
     return joined
 
 

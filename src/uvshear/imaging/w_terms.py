@@ -43,6 +43,76 @@ _NEGLIGIBLE = 1e-9
 """Coefficient below which a Chebyshev polynomial is left out."""
 
 
+def number_of_terms(
+    w: Float[Array, " probe"], image: ImageGrid, error: float, samples: int
+) -> int | None:
+    """Return the number of products with which an image of a number of samples is made; None for w-planes.
+
+    ``w`` [wavelengths] is that of some of the samples, and ``error`` is the largest rms error.
+    """
+    found = _Basis.over(image).fewest(w, error)
+    return found[0] if found is not None and _are_cheaper(found[0], image, samples) else None
+
+
+def _are_cheaper(terms: int, image: ImageGrid, samples: int) -> bool:
+    amounts = np.array([image.size**2, samples])
+    return bool(terms * np.dot(_TERM, amounts) <= np.dot(_PLANES, amounts))
+
+
+@dataclass(frozen=True)
+class _Basis:
+    """Polynomials of r^2 that are orthonormal over an image, at the nodes of an integral over the image.
+
+    Parameters
+    ----------
+    corner
+        Square of the distance of the image's corner from its centre [rad^2].
+    n_minus_one
+        n - 1 at the nodes.
+    weighted
+        Each polynomial, times the weight of the node.
+    triangle
+        Upper triangle that gives the powers of t (``WTerms``) from the polynomials.
+    """
+
+    corner: float
+    n_minus_one: Float[Array, " node"]
+    weighted: Float[Array, "node term"]
+    triangle: Float[Array, "term power"]
+
+    @classmethod
+    def over(cls, image: ImageGrid) -> Self:
+        """Return the polynomials over an image, which are worth nothing if it reaches the horizon."""
+        corner = min(2 * (image.size * image.pixel / 2) ** 2, 1.0)
+        square = (_NODES[:, None] ** 2 + _NODES[None, :] ** 2).ravel() / 2
+        share = np.outer(_WEIGHTS, _WEIGHTS).ravel() / 4
+        n_minus_one = -corner * square / (1 + np.sqrt(1 - corner * square))
+        powers = (2 * square - 1)[:, None] ** np.arange(MOST_TERMS)
+        q, triangle = np.linalg.qr(powers * np.sqrt(share)[:, None])
+        return cls(corner, n_minus_one, q * np.sqrt(share)[:, None], triangle)
+
+    def projected(self, w: Float[Array, " n"]) -> Complex[Array, "n term"]:
+        """Return p_k(w)."""
+        return np.exp(2j * math.pi * np.outer(w, self.n_minus_one)) @ self.weighted
+
+    def fewest(
+        self, w: Float[Array, " sample"], error: float
+    ) -> tuple[int, Float[Array, " term"]] | None:
+        """Return the smallest number of products with at most this rms error, and the rms of each p_k(w)."""
+        largest = float(np.abs(w).max(initial=0.0))
+        if self.corner >= 1 or math.pi * self.corner * largest > _LARGEST_PHASE:
+            return None
+        few = self.projected(w[:: max(1, len(w) // _FEW)])
+        square = np.abs(few) ** 2
+        left = np.sqrt(np.maximum(1 - np.cumsum(square, axis=1), 0))
+        good = np.sqrt(np.mean(left**2, axis=0)) <= error
+        good &= left.max(axis=0) <= IN_THE_TAIL * error
+        if not good.any():
+            return None
+        count = int(np.argmax(good)) + 1
+        return count, np.sqrt(np.mean(square[:, :count], axis=0))
+
+
 @dataclass(frozen=True)
 class WTerms:
     """The products for one image.
@@ -75,40 +145,23 @@ class WTerms:
             The fewest products with at most this error in the root mean square, over baselines and pixels; None where
             w-planes are cheaper.
         """
-        corner = 2 * (image.size * image.pixel / 2) ** 2
+        basis = _Basis.over(image)
+        if (found := basis.fewest(w, error)) is None:
+            return None
+        count, weight = found
+        if not _are_cheaper(count, image, len(w)):
+            return None
         largest = float(np.abs(w).max(initial=0.0))
-        if corner >= 1 or math.pi * corner * largest > _LARGEST_PHASE:
-            return None
-        square = (_NODES[:, None] ** 2 + _NODES[None, :] ** 2).ravel() / 2
-        share = np.outer(_WEIGHTS, _WEIGHTS).ravel() / 4
-        n1 = -corner * square / (1 + np.sqrt(1 - corner * square))
-        powers = (2 * square - 1)[:, None] ** np.arange(MOST_TERMS)
-        q, triangle = np.linalg.qr(powers * np.sqrt(share)[:, None])
-        q *= np.sqrt(share)[:, None]
-
-        def projected(w: Float[Array, " n"]) -> Complex[Array, "n term"]:
-            return np.exp(2j * math.pi * np.outer(w, n1)) @ q
-
-        few = projected(w[:: max(1, len(w) // _FEW)])
-        left = np.sqrt(np.maximum(1 - np.cumsum(np.abs(few) ** 2, axis=1), 0))
-        good = np.sqrt(np.mean(left**2, axis=0)) <= error
-        good &= left.max(axis=0) <= IN_THE_TAIL * error
-        if not good.any():
-            return None
-        count = int(np.argmax(good)) + 1
-        amounts = np.array([image.size**2, len(w)])
-        if count * np.dot(_TERM, amounts) > np.dot(_PLANES, amounts):
-            return None
         angle = math.pi * (np.arange(_DEGREE) + 0.5) / _DEGREE
         series = np.cos(np.outer(np.arange(_DEGREE), angle)) * (2 / _DEGREE)
         series[0] /= 2
-        by_w = (series @ projected(largest * np.cos(angle))).T[:count]
+        by_w = (series @ basis.projected(largest * np.cos(angle))).T[:count]
         degrees = int(np.flatnonzero(np.abs(by_w).max(axis=0) > _NEGLIGIBLE).max()) + 1
         return cls(
-            by_distance=np.linalg.inv(triangle).T[:count],
+            by_distance=np.linalg.inv(basis.triangle).T[:count],
             by_w=np.ascontiguousarray(by_w[:, :degrees]),
             largest=largest or 1.0,
-            weight=np.sqrt(np.mean(np.abs(few[:, :count]) ** 2, axis=0)),
+            weight=weight,
         )
 
     def __len__(self) -> int:

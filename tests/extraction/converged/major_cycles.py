@@ -13,6 +13,7 @@ from uvshear.extraction.converged.plan import (
     plan_major_cycle,
 )
 from uvshear.galaxy import Exponential, Galaxies
+from uvshear.imaging.tiles import Tiling
 from uvshear.interferometer.attenuation import Attenuation
 from uvshear.interferometer.summary import summarise
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
@@ -77,7 +78,7 @@ def small_field(
     shortest=0.0,
     rows=1500,
     centred: Galaxies | None = None,
-    core=600,
+    width=600,
 ) -> SmallField:
     """Observe ``truth`` without noise on some rows of a VLA; facets are centred on ``centred``, truth unless given.
 
@@ -91,7 +92,7 @@ def small_field(
     centred = truth if centred is None else centred
     count = len(centred)
     requests = FacetRequests(centred.l, centred.m, np.full(count, WIDTH), np.full(count, LONGEST))
-    plan = plan_major_cycle(requests, shortest, LONGEST, core=core)
+    plan = plan_major_cycle(requests, shortest, LONGEST, tiling=Tiling(width))
     return SmallField(Visibilities(uvw, frequency, vis, weights), plan)
 
 

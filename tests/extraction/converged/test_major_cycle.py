@@ -21,6 +21,7 @@ from uvshear.constants import ARCSEC
 from uvshear.execution import in_threads
 from uvshear.extraction.converged.major_cycle import ResidualAccumulator, gather_residuals
 from uvshear.extraction.converged.plan import FacetRequests, plan_major_cycle
+from uvshear.imaging.tiles import Tiling
 from uvshear.predict import predict_visibilities
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.template import Template
@@ -71,7 +72,7 @@ def test_facets_without_a_model_are_the_direct_dirty_images_at_their_places(one_
 
 
 def test_facets_of_one_wide_tile_are_the_direct_dirty_images_too():
-    field = small_field(core=3072)
+    field = small_field(width=3072)
     facets = field.residuals(nothing())
     assert [len(band) for band in field.plan.tiles] == [1, 1]
     for source in (0, 2):
@@ -144,7 +145,7 @@ def test_the_block_held_in_memory_hardly_changes_the_facets(one_channel):
 
 def test_baselines_below_the_least_take_no_part():
     shortest = 0.2 * LONGEST
-    field = small_field(shortest=shortest, rows=800, core=3072)
+    field = small_field(shortest=shortest, rows=800, width=3072)
     facets = field.residuals(nothing())
     cells = field.plan.cutouts[0]
     assert np.hypot(*cells.uv.T).min() >= shortest
@@ -157,7 +158,7 @@ def test_without_the_longest_baselines_facets_are_cut_from_coarser_images(one_ch
     reach = whole.bands[0].shortest
     count = len(SKY)
     requests = FacetRequests(SKY.l, SKY.m, np.full(count, WIDTH), np.full(count, LONGEST))
-    plan = plan_major_cycle(requests, 0.0, reach, LONGEST, core=600)
+    plan = plan_major_cycle(requests, 0.0, reach, LONGEST, tiling=Tiling(600))
     assert (whole.top, plan.top) == (0, 1)
     assert plan.pixel == whole.pixel
     facets = gather_residuals(

@@ -139,8 +139,9 @@ class ConvergedExtraction(Extraction):
         """Measure with these baselines; None where they let the sky diverge, and fewer can be used."""
         executor, centre = setting.resources.executor, observation.phase_centre
         modelled = ModelledField.from_field(field, setting.model, centre.dec)
-        planner = Planner.from_field(modelled, baselines, self.scale_lengths)
-        gridding = Gridding.within(setting.resources, field.summary.samples, self._epsilon(field))
+        epsilon = self._epsilon(field)
+        planner = Planner.from_field(modelled, baselines, self.scale_lengths, epsilon)
+        gridding = Gridding.within(setting.resources, field.summary.samples, epsilon)
         gridding = replace(gridding, memory=(1 - HELD_PART) * gridding.memory)
         on_fit, on_shape, on_statistics = (
             partial(meter.add, work) for work in (FIT, POSTERIOR, STATISTICS)

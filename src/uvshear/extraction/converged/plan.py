@@ -8,7 +8,7 @@ import numpy as np
 from uvshear.imaging.bands import Band, longest_seen, numbers_of_bands, octaves, steepest
 from uvshear.imaging.curvature import half_widths_of_bands
 from uvshear.imaging.cutout import Cutout, cutout, cutout_size
-from uvshear.imaging.tiles import CORE, Footprint, Tile, plan_tiles
+from uvshear.imaging.tiles import Footprint, Tile, Tiling, plan_tiles
 from uvshear.typing import Array, Float, Int
 
 SMALL = 0.67
@@ -101,7 +101,7 @@ def plan_major_cycle(
     shortest: float,
     longest: float,
     finest: float | None = None,
-    core: int = CORE,
+    tiling: Tiling | None = None,
     baselines: Float[Array, "sample 3"] | None = None,
 ) -> MajorCyclePlan:
     """Plan for baselines from ``shortest`` to ``longest``, on pixels that can represent ``finest`` [wavelengths].
@@ -109,8 +109,7 @@ def plan_major_cycle(
     Some of the ``baselines`` (u, v, w) limit the widths of tiles far from the phase centre.
 
     Sources interact on pixels twice as wide as the finest: where an array does not resolve them, these pixels must
-    represent all of its baselines, and ``finest`` is up to twice ``longest``. Tiles cover at most ``core`` pixels of
-    the finest band along a side, without their margins.
+    represent all of its baselines, and ``finest`` is up to twice ``longest``.
     """
     finest = max(finest or longest, longest)
     lm = np.column_stack([requests.l, requests.m])
@@ -133,6 +132,6 @@ def plan_major_cycle(
         band = numbers_of_bands(bands, longest_seen(baselines, slope))
         radius = float(np.hypot(requests.l, requests.m).max(initial=0.0))
         limits = half_widths_of_bands(baselines, band, len(bands), radius)
-    tiles = plan_tiles(footprint, pixel, len(bands), core, limits)
+    tiles = plan_tiles(footprint, pixel, len(bands), tiling, limits)
     offset = lm - place * pixel
     return MajorCyclePlan(shortest, longest, bands, tiles, cutouts, place, offset, slope)

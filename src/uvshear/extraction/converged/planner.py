@@ -13,10 +13,10 @@ from uvshear.extraction.converged.beams import SIZE, BeamPlan
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.plan import FacetRequests, MajorCyclePlan, plan_major_cycle
 from uvshear.extraction.converged.reach import used_baselines
-from uvshear.extraction.converged.tile_sizes import cheapest_core
+from uvshear.extraction.converged.tile_sizes import fastest_tiling
 from uvshear.galaxy import Galaxies
 from uvshear.imaging.bands import OVERSAMPLING
-from uvshear.imaging.tiles import CORE
+from uvshear.imaging.tiles import Tiling
 from uvshear.predict.gridded import ModelledSky
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Float
@@ -40,30 +40,31 @@ class Planner:
         Baselines that are used.
     scale_lengths
         Width of a facet over the median scale length; facets are wider for galaxies that turn out to be larger.
-    core
-        Largest number of pixels that a tile covers along a side, without its margins.
+    tiling
+        How tiles divide the field; into as few as possible unless given.
     """
 
     modelled: ModelledField
     baselines: Baselines
     scale_lengths: float
-    core: int = CORE
+    tiling: Tiling | None = None
 
     @classmethod
     def from_field(
-        cls, modelled: ModelledField, baselines: Baselines, scale_lengths: float
+        cls, modelled: ModelledField, baselines: Baselines, scale_lengths: float, epsilon: float
     ) -> Self:
-        """Choose the size of the tiles for the sources as they are expected."""
+        """Choose the tiles for the sources as they are expected; ``epsilon`` is the relative error of the gridder."""
         large = cls(modelled, baselines, scale_lengths)
         used = baselines.shortest, baselines.longest, baselines.finest
-        core = cheapest_core(
+        tiling = fastest_tiling(
             large._requests(modelled.expected),
             used,
             large._sources,
             modelled.response,
             modelled.field.summary,
+            epsilon,
         )
-        return replace(large, core=core)
+        return replace(large, tiling=tiling)
 
     @property
     def pixel(self) -> float:
@@ -98,7 +99,7 @@ class Planner:
     def _planned(self, fits: Sequence[GalaxyFit], longest: float) -> MajorCyclePlan:
         used, requests = self.baselines, self._requests(fits)
         return plan_major_cycle(
-            requests, used.shortest, longest, used.finest, self.core, self._probes
+            requests, used.shortest, longest, used.finest, self.tiling, self._probes
         )
 
     @cached_property
