@@ -36,7 +36,7 @@ def test_a_request_to_end_that_all_processes_get_is_answered_once(
     tmp_path: Path, number: signal.Signals
 ) -> None:
     output = tmp_path / "bias.json"
-    words = "bias --estimator mean --galaxies 100000 --threads 2 -o"
+    words = "bias --estimator mean --galaxies 100000 --threads 3 -o"
     with started(*words.split(), output) as running:
         wait_for(lambda: len(_workers(running.pid)) >= 2)
         os.killpg(running.pid, number)

@@ -23,12 +23,21 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-def test_tasks_run_in_as_many_copies_as_there_are_workers() -> None:
-    with CopiedCrew(None, 2) as crew:
-        list(crew.map(work.process, range(2)))
-        seen = set(crew.map(work.process, range(40)))
-    assert os.getpid() not in seen
-    assert len(seen) == 2
+def test_this_process_and_its_copies_work() -> None:
+    before = work.children()
+    with CopiedCrew(None, 3) as crew:
+        list(crew.map(work.brief, range(2)))
+        seen = {process for _, process in crew.map(work.brief, range(40))}
+        assert len(work.children() - before) == 2
+    assert os.getpid() in seen
+    assert len(seen) == 3
+
+
+def test_one_worker_needs_no_copies() -> None:
+    before = work.children()
+    with CopiedCrew(None, 1) as crew:
+        assert set(crew.map(work.process, range(9))) == {os.getpid()}
+        assert work.children() == before
 
 
 def test_copies_are_made_only_for_work_that_is_worth_them(monkeypatch) -> None:
@@ -38,44 +47,53 @@ def test_copies_are_made_only_for_work_that_is_worth_them(monkeypatch) -> None:
         assert set(crew.map(work.process, range(9))) == {os.getpid()}
         assert work.children() == before
         monkeypatch.setattr(copied_crew, "WORTH_COPIES", 0.0)
-        assert os.getpid() not in set(crew.map(work.process, range(9)))
+        assert len(set(crew.map(work.process, range(9)))) == 2
         # Copies that have been made are used.
         monkeypatch.setattr(copied_crew, "WORTH_COPIES", 60.0)
-        assert os.getpid() not in set(crew.map(work.process, range(9)))
+        assert len(set(crew.map(work.process, range(9)))) == 2
 
 
 def test_copies_go_on_where_this_process_has_begun(monkeypatch) -> None:
     monkeypatch.setattr(copied_crew, "WORTH_COPIES", 0.05)
     with CopiedCrew(None, 2) as crew:
-        numbers, processes = zip(*crew.map(work.brief, range(30)), strict=True)
+        list(crew.map(work.brief, range(1)))
+        numbers, processes = zip(*crew.map(work.brief, (task for task in range(30))), strict=True)
         assert list(numbers) == list(range(30))
         assert processes[0] == os.getpid()
-        assert os.getpid() not in processes[6:]
+        assert len(set(processes[6:])) == 2
         # The work of one call counts for the next one.
-        assert os.getpid() not in {process for _, process in crew.map(work.brief, range(4))}
+        assert len({process for _, process in crew.map(work.brief, range(4))}) == 2
+
+
+def test_copies_are_made_at_once_where_much_work_is_foreseen(monkeypatch) -> None:
+    monkeypatch.setattr(copied_crew, "WORTH_COPIES", 0.2)
+    with CopiedCrew(None, 2) as crew:
+        list(crew.map(work.brief, range(1)))
+        assert len({process for _, process in crew.map(work.brief, range(5))}) == 1
+        assert len({process for _, process in crew.map(work.brief, range(30))}) == 2
 
 
 def test_long_tasks_wait_for_none_and_the_last_task_needs_no_copies(monkeypatch) -> None:
     monkeypatch.setattr(copied_crew, "WORTH_COPIES", 0.005)
     before = work.children()
     with CopiedCrew(None, 2) as crew:
-        monkeypatch.delitem(copied_crew._seconds, work.brief, raising=False)
+        monkeypatch.delitem(copied_crew._last_duration, work.brief, raising=False)
         assert [process for _, process in crew.map(work.brief, range(1))] == [os.getpid()]
         assert work.children() == before
     # By now the function is known to take longer than copies do.
     with CopiedCrew(None, 2) as crew:
-        assert os.getpid() not in {process for _, process in crew.map(work.brief, range(4))}
+        assert len({process for _, process in crew.map(work.brief, range(4))}) == 2
 
 
 def test_small_tasks_come_together_and_long_ones_alone() -> None:
-    worth, most = copied_crew.WORTH_A_MESSAGE, copied_crew.TOGETHER
-    assert copied_crew._together(worth / 100, 1000, 2) == most
-    assert copied_crew._together(worth / 3.5, 1000, 2) == 3
-    assert copied_crew._together(worth / 100, 12, 2) == 3
-    assert copied_crew._together(worth / 100, 1, 2) == 1
-    assert copied_crew._together(2 * worth, 1000, 2) == 1
+    worth, most = copied_crew.WORTH_A_MESSAGE, copied_crew.MOST_IN_A_BATCH
+    assert copied_crew._batch_size(worth / 100, 1000, 2) == most
+    assert copied_crew._batch_size(worth / 3.5, 1000, 2) == 3
+    assert copied_crew._batch_size(worth / 100, 12, 2) == 3
+    assert copied_crew._batch_size(worth / 100, 1, 2) == 1
+    assert copied_crew._batch_size(2 * worth, 1000, 2) == 1
     # Nothing is known of the first tasks.
-    assert copied_crew._together(float("inf"), 1000, 2) == 1
+    assert copied_crew._batch_size(float("inf"), 1000, 2) == 1
 
 
 def test_results_keep_their_order_though_the_first_task_ends_last() -> None:
@@ -103,22 +121,38 @@ def test_copies_see_shared_memory_and_what_they_are_told() -> None:
     ledger, stale = Ledger(memory), Ledger(own)
     with CopiedCrew(ledger, 2) as crew, CopiedCrew(stale, 2) as other:
         for one in (crew, other):
-            list(one.map(work.entry, range(3)))
+            list(one.map(work.seen_by, range(3)))
         memory[0] = own[0] = 7.0
         ledger.adopt(5)
         crew.tell(Ledger.adopt, 5)
-        assert list(crew.map(work.entry, range(6))) == [(5, 7.0, task) for task in range(6)]
-        # Memory that is not shared is as it was when the copies were made.
-        assert list(other.map(work.entry, range(6))) == [(0, 0.0, task) for task in range(6)]
+        seen = list(crew.map(work.seen_by, range(9)))
+        assert {entry[:2] for entry in seen} == {(5, 7.0)}
+        assert len({process for *_, process in seen}) == 2
+        # Memory that is not shared is in a copy as it was when the copy was made.
+        seen = list(other.map(work.seen_by, range(9)))
+        assert {entry[:2] for entry in seen if entry[2] != os.getpid()} == {(0, 0.0)}
 
 
-def test_news_reach_a_copy_before_its_next_task_in_their_order() -> None:
+def test_updates_reach_a_copy_before_its_next_task_in_their_order() -> None:
     ledger = Ledger(np.zeros(1))
     with CopiedCrew(ledger, 3) as crew:
-        list(crew.map(work.entry, range(3)))
+        list(crew.map(work.seen_by, range(3)))
         for number in (4, 9, 8):
+            ledger.adopt(number)
             crew.tell(Ledger.adopt, number)
-        assert {number for number, *_ in crew.map(work.entry, range(30))} == {8}
+        seen = list(crew.map(work.seen_by, range(30)))
+        assert {number for number, *_ in seen} == {8}
+        assert len({process for *_, process in seen}) == 3
+
+
+def test_after_a_call_that_was_given_up_new_copies_work() -> None:
+    before = work.children()
+    with CopiedCrew(None, 2) as crew:
+        for _ in crew.map(work.brief, range(30)):
+            break
+        assert [task for task, _ in crew.map(work.brief, range(30, 60))] == list(range(30, 60))
+        assert len(work.children() - before) == 1
+    assert work.children() == before
 
 
 def test_descriptors_above_1023_are_possible() -> None:
@@ -151,7 +185,7 @@ def test_an_error_of_a_task_is_raised_here() -> None:
 
 def test_a_copy_that_ends_is_an_error() -> None:
     before = work.children()
-    with CopiedCrew(None, 2) as crew, pytest.raises(BrokenExecutor, match="ended before its work"):
+    with CopiedCrew(os.getpid(), 2) as crew, pytest.raises(BrokenExecutor, match="ended before"):
         list(crew.map(work.ended, range(20)))
     assert work.children() == before
 
@@ -160,7 +194,7 @@ def test_copies_end_with_the_block_and_on_demand() -> None:
     before = work.children()
     with CopiedCrew(None, 2) as crew:
         list(crew.map(work.process, range(9)))
-        assert len(work.children() - before) == 2
+        assert len(work.children() - before) == 1
     assert work.children() == before
     with CopiedCrew(None, 2) as crew:
         list(crew.map(work.process, range(9)))

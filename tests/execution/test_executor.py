@@ -80,5 +80,5 @@ def test_few_tasks_are_begun_ahead(executor: Executor) -> None:
 @pytest.mark.parametrize("executor", [Serial(), Copies(2)])
 @pytest.mark.parametrize("number", [0, 1, 7, 12])
 def test_small_tasks_that_come_together_have_the_same_results(executor, number) -> None:
-    found = executor.map_together(lambda task: task**2, range(number), 4)
+    found = executor.map_in_batches(lambda task: task**2, range(number), 4)
     assert list(found) == [task**2 for task in range(number)]

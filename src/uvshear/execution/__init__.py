@@ -1,8 +1,8 @@
-"""The one place for parallel work: besides the command line, nothing else deals with pools or numbers of threads.
+"""Parallel work. Besides the command line, no other package deals with pools or numbers of threads.
 
-An ``Executor`` runs tasks and gives their results in order. ``Serial``, ``Threads`` and ``Processes`` are executors;
-another one needs the methods of ``executor.Executor`` and nothing else. Functions with parallel work take an executor
-as an argument, which is ``SERIAL`` unless given.
+An ``Executor`` runs tasks and returns their results in order. ``Serial``, ``Threads``, ``Processes`` and ``Copies``
+(forked processes) are executors; others are subclasses of ``Executor``. Functions with parallel work take an executor
+as an argument; the default is ``SERIAL``.
 """
 
 from uvshear.execution.copied_crew import end_copies

@@ -1,4 +1,4 @@
-"""Tasks in copies of this process."""
+"""Tasks in forked worker processes, which this package calls copies of the process."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -13,7 +13,10 @@ from uvshear.execution.threads import Threads
 
 @dataclass(frozen=True)
 class Copies(Counted):
-    """Distributes tasks over ``count`` copies of this process; tasks that share memory run in as many threads."""
+    """Runs the tasks of :meth:`distribute` in this process and its copies, and those of :meth:`map` in threads.
+
+    There are ``count`` threads, or ``count`` processes of which one is this process.
+    """
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield the results, from threads of this process."""
@@ -31,6 +34,6 @@ class Copies(Counted):
 
     @contextmanager
     def crew(self, shared: Shared) -> Iterator[Crew[Shared]]:
-        """Yield copies that hold an object; libraries have one thread in each of them."""
+        """Yield this process and copies of it, which hold an object; libraries have one thread in each of them."""
         with single_threaded_libraries(), CopiedCrew(shared, self.count) as crew:
             yield crew

@@ -12,7 +12,9 @@ from uvshear.execution.threads import Threads
 
 def available_cores() -> int:
     """Count the cores that this process may use."""
-    return len(os.sched_getaffinity(0))
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def in_threads(count: int = 0) -> Executor:
@@ -24,7 +26,7 @@ def in_threads(count: int = 0) -> Executor:
 def in_processes(count: int = 0) -> Executor:
     """Return an executor with this number of processes; 0 stands for the number of cores.
 
-    They are copies of this process where there can be any, since these start at once.
+    On Linux they are forked copies of this process, which start within milliseconds; elsewhere they are new processes.
     """
     count = count or available_cores()
     if count == 1:
@@ -35,7 +37,8 @@ def in_processes(count: int = 0) -> Executor:
 def in_copies(count: int = 0) -> Executor:
     """Return an executor with this number of copies of this process, or of threads where it cannot be copied.
 
-    What tasks share may be too large to be sent. 0 stands for the number of cores.
+    It suits tasks that share an object which is too large to be sent to other processes. 0 stands for the number of
+    cores.
     """
     count = count or available_cores()
     return Copies(count) if CAN_COPY and count > 1 else in_threads(count)

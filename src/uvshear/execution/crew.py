@@ -21,14 +21,15 @@ class Crew(ABC, Generic[Shared]):
     ) -> Iterator[Result]:
         """Yield ``function(shared, task)`` for every task, in order.
 
-        ``function`` is defined in a module; tasks and results are picklable.
+        ``function`` is defined at the top level of a module, so that it can be pickled. Tasks and results are
+        picklable.
         """
 
     @abstractmethod
     def tell(self, change: Callable[..., None], *news: Any) -> None:
-        """Call ``change(shared, *news)`` for the object of every worker that has one of its own, before its next task.
+        """Call ``change(shared, *news)`` in every worker that has its own copy of the object, before its next task.
 
-        The object of this process is not changed: whoever tells has done so.
+        The object of this process is not changed; the caller does that.
         """
 
 

@@ -31,16 +31,16 @@ class Executor(ABC):
         whole.
         """
 
-    def map_together(
-        self, function: Callable[[Task], Result], tasks: Sequence[Task], together: int
+    def map_in_batches(
+        self, function: Callable[[Task], Result], tasks: Sequence[Task], batch: int
     ) -> Iterator[Result]:
-        """Do the same as :meth:`map` for small tasks, of which a worker takes several at a time."""
+        """Do the same as :meth:`map`, with batches of small tasks: a worker takes ``batch`` tasks at a time."""
 
-        def of_part(first: int) -> list[Result]:
-            return [function(task) for task in tasks[first : first + together]]
+        def of_batch(first: int) -> list[Result]:
+            return [function(task) for task in tasks[first : first + batch]]
 
-        for part in self.map(of_part, range(0, len(tasks), together)):
-            yield from part
+        for results in self.map(of_batch, range(0, len(tasks), batch)):
+            yield from results
 
     @abstractmethod
     def distribute(
@@ -51,10 +51,13 @@ class Executor(ABC):
     ) -> Iterator[Result]:
         """Yield ``function(shared, task)`` for every task, which may run in another process.
 
-        ``function`` is defined in a module; ``shared`` is sent to each worker once. Both must be picklable, as must
-        tasks and results.
+        ``function`` is defined at the top level of a module, so that it can be pickled. ``shared`` is sent to each
+        worker once. Tasks and results are picklable.
         """
 
     def crew(self, shared: Shared) -> AbstractContextManager[Crew[Shared]]:
-        """Return workers that hold an object for a while, and are told how it changes; within this process at first."""
+        """Return workers that hold an object and are told how it changes.
+
+        Unless a subclass overrides this method, they are the workers of :meth:`map` and use the object itself.
+        """
         return nullcontext(LocalCrew(shared, self.map))

@@ -1,4 +1,4 @@
-"""Values that are worked out once, whichever of several threads asks for them first."""
+"""A cache that threads share, in which no two threads compute the same value at the same time."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
@@ -11,13 +11,14 @@ _State: TypeAlias = tuple[float, Callable[[Value], float], OrderedDict[Hashable,
 
 
 class KeptOnce(Generic[Value]):
-    """A cache that threads share; it travels between processes with what it holds.
+    """A cache that threads share, and that can be pickled with its values.
 
     Parameters
     ----------
     memory
-        Memory for the values that are kept [bytes]: those that were not asked for the longest give way to a new one.
-        The last one is kept whatever its size, and a value that a thread works with lives on until the thread has done.
+        Memory for the values [bytes]. Where a new value exceeds it, the least recently used values are dropped; the
+        newest is kept whatever its size. A dropped value lives on while a caller uses it, and is computed again when it
+        is next requested.
     size_of
         Function that returns the size of a value [bytes].
     """
@@ -31,7 +32,7 @@ class KeptOnce(Generic[Value]):
         return len(self._known)
 
     def value(self, key: Hashable, work_out: Callable[[], Value]) -> Value:
-        """Return the value of a key; it is worked out if it is not held, by one thread at a time."""
+        """Return the value of a key, and compute it first if it is not held; one thread computes at a time."""
         with self._lock:
             if key not in self._known:
                 self._known[key] = work_out()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Processes(Counted):
-    """Distributes tasks over ``count`` processes; tasks that share memory run in as many threads."""
+    """Runs the tasks of :meth:`distribute` in ``count`` processes, and those of :meth:`map` in ``count`` threads."""
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield the results, from threads of this process."""
@@ -39,7 +39,8 @@ class Processes(Counted):
     ) -> Iterator[Result]:
         """Yield the results; each process gets ``shared`` when it starts."""
         context = get_context("spawn")
-        # A process that is sent much when it starts keeps this one waiting until it has imported the package.
+        # The shared object goes through a queue: as an argument, it would block this process until each new process has
+        # imported the package.
         try:
             with _without_signals():
                 job = context.Queue()
@@ -53,7 +54,7 @@ class Processes(Counted):
             with _Pool(self.count, context, _begin, (job,)) as pool:
                 yield from ordered_results(pool, self.count, _work, tasks)
         finally:
-            # Processes that were not needed have not taken theirs.
+            # Processes that were never started have left their copies of the shared object in the queue.
             job.cancel_join_thread()
             job.close()
 
@@ -62,13 +63,13 @@ def end_processes() -> None:
     """End the processes that work for this one, whatever they do, before this one ends without cleaning up."""
     for process in active_children():
         process.kill()
-    # Otherwise the process that Python starts to look after semaphores would complain about them.
+    # Otherwise Python's resource tracker would warn of leaked semaphores.
     util._run_finalizers(0)  # type: ignore[attr-defined]
 
 
 @contextmanager
 def _without_signals() -> Iterator[None]:
-    """Let processes that are started within the block leave it to this one to answer a terminal's signals."""
+    """Block SIGINT and SIGHUP for processes that are started within: this process answers a terminal's signals."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGHUP))
     try:
         yield
@@ -77,7 +78,7 @@ def _without_signals() -> Iterator[None]:
 
 
 class _Pool(ProcessPoolExecutor):
-    """A pool that starts processes as they are needed."""
+    """A pool whose processes start with SIGINT and SIGHUP blocked; ``submit`` starts them as they are needed."""
 
     def submit(self, *task: Any, **named: Any) -> Future[Any]:
         """Begin a task."""

@@ -20,7 +20,8 @@ class Resources:
     Parameters
     ----------
     executor
-        Executor of everything that can be done in parallel; copies of the process on all cores unless given.
+        Executor of all parallel work; unless given, copies of the process on all cores, or threads where the process
+        cannot be copied.
     memory
         Memory for the visibilities and images that are processed at the same time [bytes]; half of the machine's memory
         unless given.

@@ -11,7 +11,9 @@ from uvshear.typing import Array
 
 
 def shared_zeros(shape: Sequence[int], dtype: DTypeLike) -> Array:
-    """Return zeros in memory that copies of this process see as it is now; what is not written takes no memory.
+    """Return an array of zeros in memory that this process shares with copies of it that are made later.
+
+    All of them see what any of them writes. Pages that are never written occupy no physical memory.
 
     Raises
     ------

@@ -34,10 +34,14 @@ class ChangeImage:
         # Zeros that nobody writes take no memory: places without sources cost nothing.
         self._pixels = shared_zeros(shape.tolist(), np.float32)
         self._plateau = shared_zeros((len(self._places),), np.float64)
+        self._is_empty = True
 
     def copy(self) -> Self:
         """Return an independent image of the same changes."""
         other = type(self)(self._interaction)
+        if self._is_empty:
+            return other
+        other._is_empty = False
         first = (self._places - self._origin - WINDOW // 2) // BLOCK
         corners = [first + corner for corner in ((0, 0), (0, 1), (1, 0), (1, 1))]
         for i, j in np.unique(np.concatenate(corners), axis=0) * BLOCK:
@@ -50,6 +54,7 @@ class ChangeImage:
         """Add the rendered change of a source."""
         for strip in self.strips_of(source):
             self.add_to_strip(strip, source, change)
+        self._is_empty = False
 
     def strips_of(self, source: int) -> range:
         """Numbers of the strips of ``WINDOW`` rows to which the change of a source is added."""
@@ -63,7 +68,9 @@ class ChangeImage:
         self._pixels[first:last, j : j + WINDOW] += change[first - i : last - i]
 
     def set_flux_changes(self, changes: Float[Array, " source"]) -> None:
-        """Set the change of every source's flux since the last major cycle [Jy]."""
+        """Set the change of every source's flux since the last major cycle [Jy], once all changes were added."""
+        # Changes may have been added by copies of this process.
+        self._is_empty = False
         self._plateau[:] = self._interaction.far @ changes
 
     def subtract_from(self, facet: Complex[Array, " cell"], source: int) -> None:
