@@ -1,10 +1,11 @@
-"""What 4, 16 and 64 cores would give for the square degree, from the times of all tasks of a run with one worker.
+"""Estimate how long the square degree would take on 1 to 64 cores, from a run with one worker.
 
     python benchmarks/scaling.py --record scaling
     python benchmarks/scaling.py --field-arcmin 12 --integration-s 900
 
-Tasks that an executor gets together are handed to workers in their order, each to the first that is free. What is not a
-task is done by one core. The memory of a machine is assumed to serve any number of cores.
+The duration of every task is recorded. The tasks of one call of an executor are then assigned in order, each to the
+first worker that is free. Work outside tasks is done by one core. Memory bandwidth, messages between processes and the
+making of copies are neglected.
 """
 
 import argparse
@@ -71,7 +72,7 @@ class Recorded(Executor):
 
 
 def main() -> None:
-    """Measure with one worker, and hand the tasks to others on paper."""
+    """Measure with one worker, and estimate the time with more from the durations of the tasks."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--field-arcmin", type=float, default=60.0)
     parser.add_argument("--integration-s", type=float, default=60.0)
@@ -89,12 +90,12 @@ def main() -> None:
     for name, value in figures.items():
         print(f"{name}: {value:.4g}")
     if arguments.record:
-        title = f"Tasks of a measurement of {len(galaxies)} galaxies, and the time that more workers would take."
+        title = f"Tasks of a measurement of {len(galaxies)} galaxies, and the estimated time with more workers."
         write_record(RESULTS / f"{arguments.record}.json", figures, [7], title=title)
 
 
 def predicted(calls: list[tuple[str, list[float]]], wall: float) -> dict[str, float]:
-    """Return the time of each stage with each number of workers, and in all."""
+    """Return the estimated time of each stage and of the whole run for each number of workers [s], and the speed-up."""
     in_tasks = sum(sum(seconds) for _, seconds in calls)
     rest = wall - in_tasks
     figures = {"wall_s": wall, "serial_s": rest, "serial_percent": 100 * rest / wall}
@@ -106,12 +107,12 @@ def predicted(calls: list[tuple[str, list[float]]], wall: float) -> dict[str, fl
         for name, span in sorted(spans.items()):
             figures[f"{name.replace(' ', '_')}_{workers}_s"] = span
         figures[f"all_{workers}_s"] = total
-        figures[f"speed_{workers}"] = wall / total
+        figures[f"speed_up_{workers}"] = wall / total
     return figures
 
 
 def makespan(seconds: Iterable[float], workers: int) -> float:
-    """Return when the last of the tasks has ended, if each goes to the first worker that is free."""
+    """Return the time at which the last task ends [s], if each task goes to the first worker that is free."""
     free = [0.0] * workers
     for each in seconds:
         heapq.heapreplace(free, free[0] + each)

@@ -36,7 +36,7 @@ GRACE: Final = 1.0
 """Time that a command has to clean up after itself once it is interrupted [s]."""
 
 WAKE: Final = 0.2
-"""Longest time after which a signal that another thread has received is answered [s]."""
+"""Longest time between the arrival of a signal in another thread and its answer [s]."""
 
 _ClickException: Final = typer.BadParameter.__mro__[2]
 """Root of the errors in options; typer carries its own copy of click in some versions."""
@@ -94,9 +94,11 @@ class Outcome:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line and exit with status 0, with 2 for a wrong input, or with 128 + N if signal N ended it.
+    """Run the command line and exit.
 
-    The command runs in a thread of its own, so that the main thread can answer signals while compiled code runs.
+    The exit status is 0; 2 for a wrong input or an output that cannot be written; 1, with a traceback, for an error of
+    the program itself; and 128 + N if signal N ended the command. The command runs in a thread of its own, so that the
+    main thread can answer signals while compiled code runs.
     """
     open_closed_descriptors()
     events: SimpleQueue[Outcome | EndRequest] = SimpleQueue()
@@ -106,7 +108,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         event = _next(events)
         outcome = event if isinstance(event, Outcome) else _stop(worker, event, events)
         worker.join()
-        status = _told(outcome)
+        status = _show(outcome)
     sys.exit(status)
 
 
@@ -118,21 +120,21 @@ def _next(events: "SimpleQueue[Outcome | EndRequest]") -> Outcome | EndRequest:
 
 
 def _settle(
-    told: Callable[[Outcome], None], arguments: Sequence[str] | None, output: StandardStream
+    report: Callable[[Outcome], None], arguments: Sequence[str] | None, output: StandardStream
 ) -> None:
     try:
-        told(_outcome(arguments, output))
+        report(_outcome(arguments, output))
     except KeyboardInterrupt:  # while another error was explained
-        told(Outcome(INTERRUPTED, INTERRUPTION))
+        report(Outcome(INTERRUPTED, INTERRUPTION))
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command line in this thread and return the exit status."""
     with standard_streams() as output:
-        return _told(_outcome(arguments, output))
+        return _show(_outcome(arguments, output))
 
 
-def _told(outcome: Outcome) -> int:
+def _show(outcome: Outcome) -> int:
     """Show the message of an outcome and return its status."""
     if outcome.bug is not None:
         raise outcome.bug
@@ -144,22 +146,25 @@ def _told(outcome: Outcome) -> int:
 def _stop(
     worker: threading.Thread, ending: EndRequest, events: "SimpleQueue[Outcome | EndRequest]"
 ) -> Outcome:
-    """Interrupt the command; if compiled code does not return soon, end the process at once."""
+    """Interrupt the command; end the process if it does not stop within ``GRACE`` or a second signal arrives.
+
+    A command that is importing a module is not interrupted but ended at once: an interrupted import may leave a library
+    half loaded, or a lock that is never released.
+    """
     event: Outcome | EndRequest = ending
-    # An import that is interrupted may leave a library half loaded, or a lock that nobody releases.
     if not _is_importing(worker):
         interrupt = ctypes.py_object(KeyboardInterrupt)
         ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(worker.ident or 0), interrupt)
         with suppress(Empty):
             event = events.get(timeout=GRACE)  # another signal: the user is in a hurry
     if isinstance(event, Outcome) and event.status == 0:
-        return event  # it was done already
+        return event  # the command finished before it was interrupted
     remove_unfinished()
     stopped = Outcome(ending.status, INTERRUPTION)
-    # Threads of a pool end when their tasks are done, for which the interpreter would wait.
+    # At exit the interpreter would wait for the threads of a pool, which end only when their tasks are done.
     if not isinstance(event, Outcome) or threading.active_count() > 1:
-        _told(stopped)
-        # What has not been imported has started nothing.
+        _show(stopped)
+        # If uvshear.execution has not been imported, there are no worker processes to end.
         execution = sys.modules.get("uvshear.execution")
         for name in ("end_processes", "end_copies"):
             getattr(execution, name, _nothing)()
@@ -182,13 +187,14 @@ def _nothing() -> None:
 
 
 def _outcome(arguments: Sequence[str] | None, output: StandardStream) -> Outcome:
-    """Run the command line; whatever happens is an outcome."""
+    """Run the command line and return its outcome, also if it raises."""
     try:
         status = app(args=arguments, prog_name="uvshear", standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
         status = INTERRUPTED
     except BrokenExecutor as error:
-        # A signal to all processes of a job ends the workers first; the main thread is to hear of it.
+        # If all processes of a job get a signal, the workers may end first. Wait, so that the main thread can report
+        # the signal instead of this error.
         time.sleep(GRACE)
         return _failure(error)
     except SystemExit as ended:  # from typer, after an error in a pipe
@@ -208,7 +214,7 @@ def _failure(error: BaseException) -> Outcome:
 
 
 def _failure_of_output(error: OSError) -> Outcome:
-    """Return the outcome of a command whose result could not be printed; a reader who leaves needs no message."""
+    """Return the outcome of a command whose result could not be printed; a broken pipe gets no message."""
     if error.errno == errno.EPIPE:
         return Outcome(BROKEN_PIPE)
     return Outcome(

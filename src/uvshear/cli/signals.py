@@ -9,7 +9,7 @@ from types import FrameType
 from typing import Final
 
 ENDING: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU)
-"""Ctrl-C, the end of a job in a batch system, the loss of the terminal, and the limit of computing time."""
+"""Signals of Ctrl-C, of a batch system that ends a job, of a lost terminal, and of the limit of CPU time."""
 
 
 @dataclass(frozen=True)
@@ -31,23 +31,25 @@ class EndRequest:
 
 
 @contextmanager
-def ending_signals(told: Callable[[EndRequest], object]) -> Iterator[None]:
-    """Pass requests to end to a function within the block; those that the caller ignores stay ignored.
+def ending_signals(report: Callable[[EndRequest], object]) -> Iterator[None]:
+    """Within the block, report signals that ask the program to end.
+
+    Signals that were ignored when the program was started, as with ``nohup``, stay ignored.
 
     Parameters
     ----------
-    told
-        Function that may be called at any time in the main thread.
+    report
+        Function that is called with each request, in the main thread and between any two instructions.
     """
 
     def tell(number: int, frame: FrameType | None) -> None:
         del frame
-        told(EndRequest(number))
+        report(EndRequest(number))
 
     # Only the main thread of a program can handle signals.
     is_main = threading.current_thread() is threading.main_thread()
-    heeded = [each for each in ENDING if is_main and signal.getsignal(each) != signal.SIG_IGN]
-    before = {number: signal.signal(number, tell) for number in heeded}
+    handled = [each for each in ENDING if is_main and signal.getsignal(each) != signal.SIG_IGN]
+    before = {number: signal.signal(number, tell) for number in handled}
     try:
         yield
     finally:

@@ -14,7 +14,7 @@ from uvshear.predict.response import Response
 from uvshear.shapes.measurement import ShapeMeasurement
 from uvshear.typing import Array, Float
 
-_TOGETHER = 32
+_BATCH = 32
 """Number of galaxies whose norms are one task."""
 
 
@@ -74,4 +74,4 @@ def natural_norms(
         gain = np.exp(2 * index * (cells.log_frequency - math.log(reference))).astype(np.float32)
         return float(np.sum(weight * gain * profile.envelope(q) ** 2, dtype=float))
 
-    return np.array(list(executor.map_together(norm, range(len(galaxies)), _TOGETHER)))
+    return np.array(list(executor.map_in_batches(norm, range(len(galaxies)), _BATCH)))

@@ -1,4 +1,4 @@
-"""Observations whose visibilities stay in memory once they have been read."""
+"""An observation whose visibilities stay in memory after the first complete pass, if they fit."""
 
 from collections.abc import Iterator
 
@@ -8,16 +8,17 @@ from uvshear.interferometer.visibilities import Observation, Visibilities
 
 
 class HeldObservation:
-    """An observation that is read once, and then stays in memory if it fits into a part of it.
+    """An observation whose visibilities stay in memory after the first complete pass, if they fit.
 
-    Samples that cannot be right have a weight of zero. A chunk is not changed by those who have read it.
+    Impossible samples have a weight of zero (``screening``). The same chunks are yielded in every pass, so that callers
+    must not modify them.
 
     Parameters
     ----------
     observation
         The observation.
     memory
-        Memory that it may take [bytes]; an observation that takes more is read again each time.
+        Memory that the visibilities may occupy [bytes]. A larger observation is read again in every pass.
     """
 
     def __init__(self, observation: Observation, memory: float) -> None:
@@ -30,7 +31,7 @@ class HeldObservation:
         return self._observation.phase_centre
 
     def chunks(self) -> Iterator[Visibilities]:
-        """Read everything, if it has not been read to its end before."""
+        """Yield the chunks from memory if they are held; otherwise read them, and hold them if all of them fit."""
         if self._held is not None:
             yield from self._held
             return

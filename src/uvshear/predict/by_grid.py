@@ -1,4 +1,6 @@
-"""Visibilities of galaxies from images of them: the error is a small fraction of the noise, and the cost of the sum's.
+"""Visibilities of galaxies from images of them.
+
+The error is a small fraction of the noise, and the cost a fraction of that of the direct sum.
 
 Baselines are divided into octaves of their length. For each octave the field is divided into square tiles. The galaxies
 of a tile are drawn in the frame of its centre (``geometry.tangent_frame``), where few w-planes are needed, and
@@ -27,19 +29,21 @@ from uvshear.predict.tile_images import TileImage, draw_tile
 from uvshear.typing import Array, Complex, Float, Int
 
 FOR_IMAGES = 0.9
-"""Part of the error that images may have; the rest is for the rounding of the sum."""
+"""Largest rms error of the images, divided by the allowed error. The rounding of the direct sum may have a third of the
+allowed error (``direct.precision_within``); the two add in quadrature to 0.96."""
 
 SPECTRAL_TOLERANCE = 1e-6
-"""Error of a spectrum that is a combination of others."""
+"""Relative error of the spectrum of a galaxy that is represented by a combination of others."""
 
 OVERSAMPLING = 1.4
-"""Nyquist frequency of an octave's pixels over its longest baseline."""
+"""Ratio of the Nyquist frequency of an octave's pixels to its longest baseline."""
 
 FEWEST_PIXELS = 256
 """Width of the image of the whole field below which baselines are not divided further [pixels]."""
 
 PROBES = 64
-"""Number of baselines that represent those of an octave, at least; twice as many at most."""
+"""Smallest number of baselines that represent an octave, if it has that many rows; the largest is just below twice as
+many."""
 
 GOLDEN_RATIO = (math.sqrt(5) - 1) / 2
 
@@ -58,8 +62,8 @@ def predict_by_grid(
 ) -> Complex[Array, "row chan"]:
     """Approximate what ``predict_visibilities`` computes [Jy], with a given rms error at most.
 
-    The result does not depend on the executor, bit for bit. Images have the w term across each galaxy, of which the sum
-    has the first order alone.
+    The result is the same for every executor, bit for bit. Images contain the w term across each galaxy to all orders;
+    the direct sum contains only the first.
 
     Parameters
     ----------
@@ -109,9 +113,9 @@ def predict_by_grid(
     ]
     # A drawing holds Python's lock for much of its time, and a sum hardly does: two drawings would wait for each other.
     tasks = _mixed(drawings, summations)
-    images = [found for found in executor.map(_done, tasks) if found is not None]
+    images = [found for found in executor.map(_run, tasks) if found is not None]
 
-    def seen(
+    def degridded(
         task: tuple[TileImage, Int[Array, " slab"]],
     ) -> tuple[Int[Array, " slab"], Complex[Array, "slab chan"]]:
         image, rows = task
@@ -119,7 +123,7 @@ def predict_by_grid(
 
     per_slab = max(1, SLAB // len(frequency))
     parts = ((each.image, rows) for each in images for rows in _slabs(each.rows, per_slab))
-    for rows, part in executor.map(seen, parts):
+    for rows, part in executor.map(degridded, parts):
         vis[rows] += part
     return vis
 
@@ -158,7 +162,7 @@ _Work: TypeAlias = Callable[[], _Drawn | None]
 """A drawing or a sum."""
 
 
-def _done(task: _Work) -> _Drawn | None:
+def _run(task: _Work) -> _Drawn | None:
     return task()
 
 
@@ -203,8 +207,8 @@ def _planned(
         # Multiples of the golden ratio spread over the band, whatever the order of the rows.
         place = np.arange(1, len(probes) + 1) * GOLDEN_RATIO % 1
         seen = frequency[(place * len(frequency)).astype(int)] / SPEED_OF_LIGHT
-        wrong = flux * relative_error(galaxies, probes * seen[:, None], profile)
-        drawn = suited(wrong, stamp_sizes(galaxies, band.pixel, profile), FOR_IMAGES * error)
+        errors = flux * relative_error(galaxies, probes * seen[:, None], profile)
+        drawn = suited(errors, stamp_sizes(galaxies, band.pixel, profile), FOR_IMAGES * error)
         samples = len(rows) * len(frequency)
         side = cheapest_side(galaxies.select(drawn), band, samples, reach, profile)
         if side is None:

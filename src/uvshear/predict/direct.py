@@ -1,4 +1,8 @@
-"""Visibilities of galaxies by the exact sum over sources."""
+"""Visibilities of galaxies by direct summation over the galaxies.
+
+The w term across a galaxy is taken to first order (``predict_visibilities``); there is no other approximation besides
+rounding.
+"""
 
 import math
 from collections.abc import Callable
@@ -21,8 +25,8 @@ SLAB, SOURCES = 16384, 16
 would take more of the time. The kernels themselves go through the rows in blocks."""
 
 ROUNDING, MEAN_ROUNDING = 3e-7, 1e-8
-"""Root mean square and mean of the rounding errors of a galaxy in single precision, over its flux: more than twice what
-was measured."""
+"""Upper limits of the rms and of the mean rounding error of a galaxy's visibilities in single precision, divided by its
+flux. The measured values are less than half of them."""
 
 
 def predict_visibilities(
@@ -40,8 +44,9 @@ def predict_visibilities(
               e^{2\pi i [u l_s + v m_s + w (n_s - 1)]}
 
     The shift of (u, v) in the envelope is the first-order expansion of w (n - 1) about the centre of the galaxy. The
-    second-order term is w x^2/2 turns at a distance x, which is 6e-4 at 10 arcsec for w = 5e5 wavelengths. Each slab of
-    rows is summed over sources in the same order, so that results do not depend on the executor.
+    second-order term is w x^2/2 turns at a distance x [rad] from the centre: 6e-4 turns at 10 arcsec for w = 5e5
+    wavelengths. Each slab of rows is summed over sources in the same order, so that results do not depend on the
+    executor.
 
     Parameters
     ----------
@@ -58,8 +63,9 @@ def predict_visibilities(
     losses
         Losses by averaging and primary beams, which are evaluated at the centre of each galaxy; none unless given.
     dtype
-        Precision of each galaxy's visibilities: with float32 they have an rms error of 3e-7 of its flux, and are
-        computed in half the time. Turns are counted and galaxies summed in float64 in any case.
+        Precision of each galaxy's visibilities. With float32 the rms rounding error is below 3e-7 of the galaxy's flux,
+        and the sum takes little more than half the time. Phases (in turns) and sums over galaxies are float64 in any
+        case.
 
     References
     ----------
@@ -91,7 +97,10 @@ def largest_flux(galaxies: Galaxies, frequency: Float[Array, " chan"]) -> Float[
 
 
 def precision_within(error: float, flux: Float[Array, " source"]) -> type[np.floating]:
-    """Return the precision in which the sum over galaxies of these fluxes has a third of an rms error [Jy] at most."""
+    """Return single precision if rounding then adds an rms error of less than a third of ``error`` [Jy].
+
+    ``flux`` is that of the galaxies that are summed [Jy]. Otherwise the function returns double precision.
+    """
     rounding = ROUNDING * math.sqrt(float(np.sum(flux**2))) + MEAN_ROUNDING * float(np.sum(flux))
     return np.float32 if rounding < error / 3 else np.float64
 

@@ -12,13 +12,14 @@ from uvshear.numerics.fft_sizes import fast_size
 from uvshear.typing import Array, Float, Int
 
 RELATIVE_ERROR = 1e-6
-"""Root mean square error of a galaxy's visibilities over its flux, by drawing and gridding."""
+"""Rms error of a galaxy's visibilities (of their complex modulus) from drawing and gridding, divided by its flux."""
 
 STEP = 0.1
-"""Distance between the points at which an envelope is differentiated, over 1/(2 pi alpha) along the major axis."""
+"""Step in u and v with which the Laplacian of an envelope is computed, in units of 1/(2 pi alpha), where alpha is the
+scale length along the major axis."""
 
 LEAST_SIZE = 1e-12
-"""Scale length of what is as good as a point source [rad]."""
+"""Smallest scale length that is used; smaller sources are as good as points [rad]."""
 
 SMALLEST_STAMP = 72
 """Smallest width of a stamp [pixels]. A galaxy that is smaller than a pixel is drawn with an error of 2e-7 of its
@@ -31,8 +32,8 @@ MOST_TILES = 16
 """Largest number of tiles along a side of the field."""
 
 _SUM, _STAMP, _SAMPLE, _PIXEL = 1.6, 14.0, 380.0, 22.0
-"""Costs on one core [ns]: of a source and a sample in the sum, of a pixel of a stamp, of a sample of a tile, and of a
-pixel of a tile for each w-plane."""
+"""Costs on one core [ns]: per source and sample in the direct sum, per pixel of a stamp, per sample of a tile, and per
+pixel and w-plane of a tile."""
 
 _PLANES = 8
 """Number of w-planes that the gridder needs where w hardly matters."""
@@ -41,7 +42,9 @@ _PLANES = 8
 def relative_error(
     galaxies: Galaxies, uvw: Float[Array, "probe 3"], profile: Profile
 ) -> Float[Array, " source"]:
-    r"""Estimate the root mean square difference between images and the sum, over each galaxy's flux.
+    r"""Estimate the rms difference between a galaxy's visibilities from images and from the direct sum, over its flux.
+
+    It includes the error of gridding.
 
     Images have the phase -pi w r^2 across a galaxy, with w along the galaxy's direction, and the sum does not. To first
     order it changes a visibility by
@@ -75,23 +78,27 @@ def relative_error(
 
 
 def suited(
-    wrong: Float[Array, " source"], sizes: Float[Array, " source"], error: float
+    errors: Float[Array, " source"], sizes: Float[Array, " source"], error: float
 ) -> Int[Array, " member"]:
-    """Return the galaxies that are drawn: of those whose stamps are small, as many as the error allows [Jy].
+    """Return the indices of the galaxies that are drawn.
 
-    ``wrong`` is the error of each galaxy [Jy], and ``sizes`` are the widths of the stamps [pixels].
+    They are the galaxies whose stamps are at most ``LARGEST_STAMP`` wide, beginning with the smallest errors, as long
+    as the root of the sum of the squared errors is at most ``error`` [Jy].
+
+    Each galaxy has one of the ``errors``, which is its rms error when drawn [Jy], and one of the ``sizes``, the width
+    of its stamp [pixels].
     """
     small = np.flatnonzero(sizes <= LARGEST_STAMP)
-    order = small[np.argsort(wrong[small], kind="stable")]
-    return np.sort(order[np.sqrt(np.cumsum(wrong[order] ** 2)) <= error])
+    order = small[np.argsort(errors[small], kind="stable")]
+    return np.sort(order[np.sqrt(np.cumsum(errors[order] ** 2)) <= error])
 
 
 def cheapest_side(
     galaxies: Galaxies, band: Band, samples: int, w: float, profile: Profile
 ) -> int | None:
-    """Return the number of tiles along a side of the field that costs least; None where the sum costs less.
+    """Return the number of tiles along a side of the field that costs least; None where the direct sum costs less.
 
-    ``w`` is the largest in the band [wavelengths].
+    ``samples`` is the number of visibilities in the band, and ``w`` the largest modulus of w [wavelengths].
     """
     if len(galaxies) == 0 or samples == 0:
         return None

@@ -31,19 +31,20 @@ from uvshear.predict.response import Response, SeenAs
 from uvshear.typing import Array, Complex, Float, Int
 
 _AT_A_TIME = 2**19
-"""Number of samples whose bands a worker finds at a time."""
+"""Number of samples in a task that assigns samples to bands."""
 
-_TOGETHER = 32
-"""Number of sources whose facets are one task."""
+_BATCH = 32
+"""Number of sources whose facets a worker takes at a time."""
 
 OnWork = Callable[[float], None]
-"""Function that is called with the work that has been done [nanoseconds, roughly]."""
+"""Function that is called with the estimated cost of the work that has been done, on one core [ns]
+(``tile_sizes.work_of``)."""
 
 Images = list[Array]
 """Images of one tile, one for each of its filters."""
 
 Facets = tuple[Complex[Array, " _"], ...]
-"""Data on the cells of each source's facet."""
+"""Correlation of the residual with a point source at each source, in the cells of its facet [1/Jy]."""
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,7 @@ def gather_residuals(
     gridding: Gridding,
     on_work: OnWork | None = None,
 ) -> Facets:
-    """Gather the facet of each source with all models subtracted, centred where the plan says."""
+    """Return the facet of each source with all models subtracted, centred on the directions ``plan.centres``."""
     (facets,) = accumulate(observation, [ResidualAccumulator(plan, sky, gridding, on_work)])
     return facets
 
@@ -121,7 +122,7 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
     gridding
         Accuracy and resources.
     on_work
-        Function called after each tile with the work that it took.
+        Function called after each tile with the estimated cost of imaging it once [ns].
     """
 
     def __init__(
@@ -151,7 +152,7 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
             return facet
 
         sources = range(len(self._facets))
-        return tuple(self._gridding.executor.map_together(centred, sources, _TOGETHER))
+        return tuple(self._gridding.executor.map_in_batches(centred, sources, _BATCH))
 
     def add_block(self, samples: Samples) -> None:
         """Subtract the models, image the residual and cut out the facets, from the coarsest band to the finest."""
@@ -169,8 +170,8 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
             for tile, matched in zip(view.tiles, view.filters, strict=True):
                 images = next(images_of_bands)
                 if tile.parent >= 0:
-                    above = plan.tiles[b + 1][tile.parent], self._filters[b + 1][tile.parent]
-                    _add_coarser(images, tile, matched, coarser[tile.parent], *above)
+                    parent = plan.tiles[b + 1][tile.parent], self._filters[b + 1][tile.parent]
+                    _add_coarser(images, tile, matched, coarser[tile.parent], *parent)
                 if b == plan.top:
                     _cut(images, tile, matched, plan, self._facets, gridding.executor)
                 else:
@@ -209,7 +210,10 @@ def _parts(
 def _weighted_residuals(
     views: Sequence[_BandView], sky: ModelledSky, gridding: Gridding
 ) -> list[Complex[Array, " _"]]:
-    """Weight times the residual of each sample of each band, with the common power law as matched filter."""
+    """Return residual times weight times the common spectrum for each sample of each band [1/Jy].
+
+    This is the matched filter that all sources share.
+    """
     models = predict_bands(
         [PredictedBand(view.samples, view.tiles, view.band) for view in views], sky, gridding
     )
@@ -227,7 +231,10 @@ def _images(
     response: Response,
     gridding: Gridding,
 ) -> Iterator[Images]:
-    """Image each tile of each band in turn, with each of its filters; tiles of several bands are imaged together."""
+    """Yield the dirty images of each tile, one for each of its filters, in the order of bands and tiles.
+
+    Workers image tiles of different bands at the same time.
+    """
 
     def image(task: tuple[int, Tile, SeenAs, slice]) -> Float[Array, "l m"]:
         number, tile, seen_as, rows = task
@@ -264,14 +271,14 @@ def _add_coarser(
     tile: Tile,
     matched: TileFilters,
     coarser: Images,
-    above: Tile,
-    matched_above: TileFilters,
+    parent: Tile,
+    matched_parent: TileFilters,
 ) -> None:
-    """Add the images of the coarser tile above, mixed for each filter of the finer one."""
-    (i, j), (k, l) = tile.origin, above.origin
+    """Add the images of the parent tile in the next coarser band, interpolated, and combined for each filter."""
+    (i, j), (k, l) = tile.origin, parent.origin
     shift = i - 2 * k, j - 2 * l
     for source, image in zip(matched.chosen.tolist(), images, strict=True):
-        mixed = matched_above.mixed(coarser, source)
+        mixed = matched_parent.mixed(coarser, source)
         add_refined(image, mixed, shift)
 
 
@@ -295,5 +302,5 @@ def _cut(
         else:
             cutout.add_coarse(square, 1.0, facet)
 
-    for _ in executor.map_together(add, tile.members.tolist(), _TOGETHER):
+    for _ in executor.map_in_batches(add, tile.members.tolist(), _BATCH):
         pass

@@ -1,4 +1,7 @@
-"""A sky whose sources move: the only mutable state of a minor cycle."""
+"""The sky during a minor cycle, the only mutable state of the cycle.
+
+Its sources are refitted (position, flux, size and ellipticity), which is called a move.
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,11 +18,11 @@ from uvshear.shapes.measurement import GalaxyFit
 from uvshear.typing import Array, Float
 
 SLOTS = 512
-"""Largest number of rendered changes that wait to be added to the image; they occupy at most 250 MB. It does not depend
-on the workers, so that every fit sees the same image whatever their number."""
+"""Largest number of rendered changes that wait to be added to the image; they occupy 254 MB. The number does not depend
+on the number of workers, nor therefore do the fits."""
 
 Find: TypeAlias = "Callable[[SkyState], list[GalaxyFit]]"
-"""Finds new fits of some sources; it is picklable."""
+"""A picklable function that finds new fits of the sources of a move."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,7 @@ class Move:
 
 @dataclass(frozen=True)
 class Given:
-    """Fit that is known."""
+    """A ``Find`` that returns a fit that is already known."""
 
     fit: GalaxyFit
 
@@ -42,7 +45,7 @@ class Given:
 
 
 class MovingSky:
-    """Keeps the fits of all sources and the image of their changes in step.
+    """Keeps the fits of all sources consistent with the image of their changes.
 
     Parameters
     ----------
@@ -63,15 +66,14 @@ class MovingSky:
     def move(
         self, moves: Sequence[Move], crew: "SkyCrew", on_move: Callable[[], None] | None = None
     ) -> Float[Array, " source"]:
-        """Let sources move; return the change of each source in units of the noise.
+        """Let sources move; return the change of each source's model, sqrt(<dm, dm>), that is, in units of the noise.
 
-        Sources that move together have the change of the sum of their models.
+        The sources of one move share the change of the sum of their models. All fits start from the sky before the
+        call. If more than ``SLOTS`` sources move, they are divided into batches; a later batch sees the image with the
+        changes of the earlier ones, but their old fits.
 
-        Every fit sees the sky as it was before the call, unless more than ``SLOTS`` sources move: later ones then see
-        the image, but not the fits, of earlier ones.
-
-        The crew, whose sky this is, finds the fits, renders the changes, and is told the fits in the end. ``on_move``
-        is called after each move.
+        The crew, which must hold this sky, finds the fits and renders the changes, and is sent the new fits at the end.
+        ``on_move`` is called after each move.
         """
         after = dict[int, GalaxyFit]()
         change = np.zeros(len(self._now.fits))
@@ -116,7 +118,7 @@ class MovingSky:
         return now.interaction.render(source, before, after, self._rendered[slot])
 
     def adopt(self, fits: Mapping[int, GalaxyFit]) -> None:
-        """Replace sources by their fits. The image of the changes, which copies of this sky see, stays as it is."""
+        """Replace the fits of some sources. The image, which the copies share, already contains the changes."""
         after = list(self._now.fits)
         for source, fit in fits.items():
             after[source] = fit
