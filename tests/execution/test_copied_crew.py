@@ -44,6 +44,7 @@ def test_copies_are_made_only_for_work_that_is_worth_them(monkeypatch) -> None:
     monkeypatch.setattr(copied_crew, "WORTH_COPIES", 60.0)
     before = work.children()
     with CopiedCrew(None, 2) as crew:
+        list(crew.map(work.process, range(1)))
         assert set(crew.map(work.process, range(9))) == {os.getpid()}
         assert work.children() == before
         monkeypatch.setattr(copied_crew, "WORTH_COPIES", 0.0)
@@ -71,6 +72,15 @@ def test_copies_are_made_at_once_where_much_work_is_foreseen(monkeypatch) -> Non
         list(crew.map(work.brief, range(1)))
         assert len({process for _, process in crew.map(work.brief, range(5))}) == 1
         assert len({process for _, process in crew.map(work.brief, range(30))}) == 2
+
+
+def test_a_function_that_was_never_called_may_take_long(monkeypatch) -> None:
+    monkeypatch.setattr(copied_crew, "WORTH_COPIES", 60.0)
+    monkeypatch.delitem(copied_crew._last_duration, work.brief, raising=False)
+    with CopiedCrew(None, 2) as crew:
+        assert len({process for _, process in crew.map(work.brief, range(4))}) == 2
+    with CopiedCrew(None, 2) as crew:
+        assert len({process for _, process in crew.map(work.brief, range(4))}) == 1
 
 
 def test_long_tasks_wait_for_none_and_the_last_task_needs_no_copies(monkeypatch) -> None:

@@ -12,9 +12,10 @@ import select
 import signal
 import socket
 import struct
+import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
@@ -38,9 +39,11 @@ WORTH_A_MESSAGE: Final = 4e-3
 """Least work that a message should carry [s]. Sending a message takes 0.1 ms, and the smallest tasks take hardly
 longer."""
 
-QUEUED: Final = 8
-"""Largest number of messages that a copy may have at a time. A copy must not run out of tasks while this process is
-busy with one of its own, which may take longer than others."""
+QUEUED: Final = 2
+"""Number of messages that a copy may have at a time: one to work on, and the next."""
+
+WAKE: Final = 0.2
+"""Longest time in which this process, while it waits for a copy, does not notice an interruption [s]."""
 
 SMALL: Final = 2**15
 """Largest message that is sent to a copy that is still working [bytes]. A larger one might not fit into the buffer of
@@ -77,10 +80,33 @@ class _Copy:
     begun: deque[list[int]] = field(default_factory=deque)
 
 
+@dataclass
+class _Call:
+    """Tasks of a call of :meth:`CopiedCrew.map`.
+
+    Parameters
+    ----------
+    function
+        Function of the tasks.
+    in_hand
+        Tasks that nobody has begun, with their numbers.
+    known
+        For each task that is finished, whether it has failed, and its result or error.
+    seconds
+        Duration of a task in the last message [s].
+    """
+
+    function: Callable[..., Any]
+    in_hand: deque[tuple[int, Any]] = field(default_factory=deque)
+    known: dict[int, tuple[bool, Any]] = field(default_factory=dict)
+    seconds: float = math.inf
+
+
 class CopiedCrew(Crew[Shared]):
     """A crew of this process and its copies, which hold an object.
 
-    The process itself works as well. Three workers, for example, are this process and two copies.
+    The process itself works as well. Three workers, for example, are this process and two copies. A thread takes the
+    copies' answers and sends them their next tasks while the process is busy with a task of its own.
 
     Parameters
     ----------
@@ -95,6 +121,10 @@ class CopiedCrew(Crew[Shared]):
         self._shared, self._workers = shared, workers
         self._copies: list[_Copy] = []
         self._worked = 0.0
+        self._changed = threading.Condition()
+        self._call: _Call | None = None
+        self._failure: Exception | None = None
+        self._listener: threading.Thread | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -108,8 +138,7 @@ class CopiedCrew(Crew[Shared]):
         """Yield the results; ``AHEAD`` tasks for each worker are begun before them, at most."""
         waiting, left = iter(tasks), length_hint(tasks, 1)
         for number, task in enumerate(waiting):
-            # The first call of a function is made in this process: copies made later inherit the code that it compiles.
-            if function in _last_duration and self._is_for_copies(function, left - number):
+            if self._is_for_copies(function, left - number):
                 if not self._copies:
                     self._start()
                 yield from self._results(function, enumerate(chain([task], waiting)))
@@ -137,84 +166,124 @@ class CopiedCrew(Crew[Shared]):
             theirs.close()
             _copies.add(pid)
             self._copies.append(_Copy(pid, ours))
+        if not self._copies:
+            return
         # The collector of garbage would write into all objects, and their memory would no longer be shared.
         gc.freeze()
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
 
     def _end_copies(self) -> None:
-        if self._copies:
+        for copy in self._copies:
+            _end(copy.pid)
+        # The listener ends when it finds that a copy has ended.
+        if self._listener is not None:
+            self._listener.join()
             gc.unfreeze()
         for copy in self._copies:
             copy.channel.close()
-            _end(copy.pid)
         self._copies.clear()
+        self._listener, self._failure = None, None
 
     def _results(
         self, function: Callable[..., Any], waiting: Iterator[tuple[int, Any]]
     ) -> Iterator[Any]:
+        call = self._call = _Call(function)
         try:
-            yield from self._results_in_order(function, waiting)
+            yield from self._results_in_order(call, waiting)
         finally:
+            self._call = None
             # Answers that nobody has waited for would be taken for those of later tasks.
             if any(copy.begun for copy in self._copies):
                 self._end_copies()
 
-    def _results_in_order(
-        self, function: Callable[..., Any], waiting: Iterator[tuple[int, Any]]
-    ) -> Iterator[Any]:
-        known: dict[int, tuple[bool, Any]] = {}
-        wanted, in_hand, each_takes = 0, deque[tuple[int, Any]](), math.inf
+    def _results_in_order(self, call: _Call, waiting: Iterator[tuple[int, Any]]) -> Iterator[Any]:
+        wanted = 0
         while True:
-            unfinished = len(known) + sum(len(m) for copy in self._copies for m in copy.begun)
-            in_hand.extend(islice(waiting, AHEAD * self._workers - unfinished - len(in_hand)))
-            if not (unfinished or in_hand):
-                return
-            self._send_tasks(function, in_hand, each_takes)
-            if in_hand:
-                number, task = in_hand.popleft()
-                known[number] = _answer(function, self._shared, task)
-            for copy in self._answering(waits=wanted not in known and not in_hand):
-                seconds, found = _received(copy.channel)
-                each_takes = seconds / len(found)
-                known.update(zip(copy.begun.popleft(), found, strict=True))
-            while wanted in known:
-                is_error, result = known.pop(wanted)
+            with self._changed:
+                room = AHEAD * self._workers - self._unfinished(call) - len(call.in_hand)
+            fresh = list(islice(waiting, room))
+            with self._changed:
+                call.in_hand.extend(fresh)
+                if not (self._unfinished(call) or call.in_hand):
+                    return
+                self._send_tasks(call, kept=1)
+                own = call.in_hand.popleft() if call.in_hand else None
+                while own is None and wanted not in call.known and self._failure is None:
+                    self._changed.wait(WAKE)
+                if self._failure is not None:
+                    raise self._failure
+            if own is not None:
+                self._work(call, *own)
+            while wanted in call.known:
+                is_error, result = call.known.pop(wanted)
                 if is_error:
                     raise result
                 yield result
                 wanted += 1
 
-    def _send_tasks(
-        self, function: Callable[..., Any], in_hand: deque[tuple[int, Any]], each_takes: float
-    ) -> None:
-        """Send tasks to copies that have few, and leave at least one for this process."""
-        while len(in_hand) > 1 and self._copies:
+    def _work(self, call: _Call, number: int, task: Any) -> None:
+        start = time.perf_counter()
+        call.known[number] = _answer(call.function, self._shared, task)
+        _last_duration[call.function] = time.perf_counter() - start
+
+    def _unfinished(self, call: _Call) -> int:
+        """Count the tasks that have been begun and whose results have not been yielded."""
+        return len(call.known) + sum(len(each) for copy in self._copies for each in copy.begun)
+
+    def _send_tasks(self, call: _Call, kept: int = 0) -> None:
+        """Send tasks to copies that have few; some are kept for this process."""
+        while len(call.in_hand) > kept and self._copies:
             copy = min(self._copies, key=lambda each: len(each.begun))
             # The last tasks wait for the worker that is free first.
-            if len(copy.begun) >= min(max(1, len(in_hand) // (2 * self._workers)), QUEUED):
+            if len(copy.begun) >= (QUEUED if len(call.in_hand) > self._workers else 1):
                 return
-            count = _batch_size(each_takes, len(in_hand), self._workers)
-            packed = _packed((copy.updates, function, [t for _, t in islice(in_hand, count)]))
+            count = _batch_size(call.seconds, len(call.in_hand), self._workers)
+            tasks = [task for _, task in islice(call.in_hand, count)]
+            packed = _packed((copy.updates, call.function, tasks))
             if copy.begun and len(packed) > SMALL:
                 return
             _send(copy.channel, packed)
             copy.updates = []
-            copy.begun.append([in_hand.popleft()[0] for _ in range(count)])
+            copy.begun.append([call.in_hand.popleft()[0] for _ in range(count)])
 
-    def _answering(self, *, waits: bool) -> list[_Copy]:
-        """Return the copies that have answered; wait for the first answer, if asked to and if there will be one."""
+    def _listen(self) -> None:
+        """Take answers and send further tasks until a copy ends."""
         # Unlike select, it takes file descriptors above 1023.
         answers = select.poll()
-        busy = {copy.channel.fileno(): copy for copy in self._copies if copy.begun}
-        for descriptor in busy:
+        copies = {copy.channel.fileno(): copy for copy in self._copies}
+        for descriptor in copies:
             answers.register(descriptor, select.POLLIN)
-        if not busy:
-            return []
-        return [busy[descriptor] for descriptor, _ in answers.poll(None if waits else 0)]
+        while True:
+            for descriptor, _ in answers.poll():
+                copy = copies[descriptor]
+                try:
+                    seconds, found = _received(copy.channel)
+                    with self._changed:
+                        self._take(copy, seconds, found)
+                except Exception as error:
+                    with self._changed:
+                        self._failure = error
+                        self._changed.notify()
+                    return
+
+    def _take(self, copy: _Copy, seconds: float, found: Sequence[tuple[bool, Any]]) -> None:
+        numbers, call = copy.begun.popleft(), self._call
+        if call is None:
+            return  # of a call that was given up
+        call.known.update(zip(numbers, found, strict=True))
+        call.seconds = seconds / len(found)
+        self._send_tasks(call)
+        self._changed.notify()
 
     def _is_for_copies(self, function: Callable[..., Any], left: int) -> bool:
         """Tell whether there are copies, or work for copies: what was done so far, and tasks that are left."""
-        expected = self._worked + max(left, 1) * _last_duration[function]
-        return bool(self._copies) or expected > WORTH_COPIES
+        if self._copies:
+            return True
+        if (seconds := _last_duration.get(function)) is None:
+            # It may take minutes.
+            return left > 1
+        return self._worked + max(left, 1) * seconds > WORTH_COPIES
 
 
 def _batch_size(seconds: float, left: int, workers: int) -> int:

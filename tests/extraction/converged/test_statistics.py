@@ -8,6 +8,7 @@ import pytest
 
 from tests.extraction.converged.states import nothing, touching_pair
 from tests.extraction.fields import OPTIONS
+from uvshear.extraction.converged import statistics
 from uvshear.extraction.converged.statistics import keep_statistics
 from uvshear.shapes.source_facet import Column, SourceFacet
 from uvshear.shapes.statistic_flag import StatisticFlag
@@ -72,3 +73,20 @@ def test_fluxes_are_those_at_1_4_ghz(prepared):
     _, kept = _keep(prepared, replace(prepared.modelled, field=low))
     # A flux at 1.4 GHz is that at 0.7 GHz times 2^-0.7: one unit of it is so much more of the facet's.
     assert kept[0]["power"] == pytest.approx(2**1.4 * prepared.state.facet(0).power.sum(), rel=1e-6)
+
+
+def test_a_task_has_galaxies_of_one_beam_and_the_largest_come_first(prepared, monkeypatch):
+    state, galaxies = prepared.state, list(prepared.modelled.galaxies)
+    cutouts, mixtures = state.interaction.plan.cutouts, state.interaction.beams.mixtures
+    for most in (1, 2, 100):
+        monkeypatch.setattr(statistics, "MOST_IN_A_PART", most)
+        parts = statistics._by_beam(state, galaxies)
+        assert sorted(k for part in parts for k in part) == sorted(galaxies)
+        assert sorted(map(len, parts), reverse=True) == list(map(len, parts))
+        assert max(map(len, parts)) <= most
+        for part in parts:
+            assert (
+                len({(cutouts[k].size, cutouts[k].longest, mixtures[k].beams) for k in part}) == 1
+            )
+            sizes = [state.sources[k].prior.log_scale_length for k in part]
+            assert sizes == sorted(sizes)

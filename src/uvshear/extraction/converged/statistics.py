@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.sky_state import SkyState
@@ -15,6 +16,10 @@ BYTES_PER_WORKER = 1.5e8
 """Memory in which the statistics of one source are computed, measured with those of all estimators; what they keep for
 several sources takes another 0.4 GB at most."""
 
+MOST_IN_A_PART = 100
+"""Largest number of galaxies in a task. The decompositions of the likelihood take as long as the statistics of 70
+galaxies; with smaller parts, more workers would compute the same decomposition."""
+
 
 def keep_statistics(
     state: SkyState,
@@ -26,15 +31,14 @@ def keep_statistics(
     """Compute the statistics of every galaxy, with a flag for each estimator, by index of the catalogue."""
     subject = _Kept(state, modelled, setting, phase_centre, modelled.strength_at_1_4_ghz)
     kept: dict[int, Kept] = {}
-    galaxies = _by_beam(state, modelled.galaxies)
+    parts = _by_beam(state, modelled.galaxies)
     resources = setting.resources
     workers = min(resources.memory // BYTES_PER_WORKER, resources.executor.workers)
     executor = resources.executor.at_most(int(workers))
-    for k, numbers in zip(
-        galaxies, executor.distribute(_statistics, subject, galaxies), strict=True
-    ):
-        on_source()
-        kept[int(modelled.field.modelled[k])] = numbers
+    for part, found in zip(parts, executor.distribute(_statistics, subject, parts), strict=True):
+        for k, numbers in zip(part, found, strict=True):
+            on_source()
+            kept[int(modelled.field.modelled[k])] = numbers
     return kept
 
 
@@ -49,7 +53,11 @@ class _Kept:
     strength: Float[Array, " source"]
 
 
-def _statistics(subject: _Kept, k: int) -> Kept:
+def _statistics(subject: _Kept, part: Sequence[int]) -> list[Kept]:
+    return [_of_source(subject, k) for k in part]
+
+
+def _of_source(subject: _Kept, k: int) -> Kept:
     seen = _seen(
         subject.state,
         subject.modelled,
@@ -75,17 +83,28 @@ def _numbers(statistic: Statistic, seen: SourceFacet) -> Kept:
     return {**numbers, flag_column(name): flag.word} if name else numbers
 
 
-def _by_beam(state: SkyState, galaxies: Sequence[int]) -> list[int]:
-    """Sort galaxies so that those with the same cells and the same beam come one after another.
+def _by_beam(state: SkyState, galaxies: Sequence[int]) -> list[list[int]]:
+    """Divide galaxies into parts with the same cells and the same beam, in which similar sizes follow one another.
 
-    Estimators keep what they work out for the last few beams only.
+    What estimators compute for all facets with the same cells, similar beams and similar sizes takes more time than
+    their computations for a single galaxy. A part is therefore the work of one worker. The largest parts come first,
+    so that all workers finish at about the same time.
     """
     cutouts, mixtures = state.interaction.plan.cutouts, state.interaction.beams.mixtures
 
-    def order(k: int) -> tuple[int, float, tuple[int, ...]]:
+    def beam(k: int) -> tuple[int, float, tuple[int, ...]]:
         return cutouts[k].size, cutouts[k].longest, mixtures[k].beams
 
-    return sorted(galaxies, key=order)
+    def size(k: int) -> float:
+        return state.sources[k].prior.log_scale_length
+
+    ordered = sorted(galaxies, key=lambda k: (beam(k), size(k)))
+    parts = [
+        same[first : first + MOST_IN_A_PART]
+        for same in (list(group) for _, group in groupby(ordered, key=beam))
+        for first in range(0, len(same), MOST_IN_A_PART)
+    ]
+    return sorted(parts, key=len, reverse=True)
 
 
 def _seen(
