@@ -153,6 +153,9 @@ def _stop(
     """
     event: Outcome | EndRequest = ending
     if not _is_importing(worker):
+        # A thread that the command is just starting still has the identity of the command's own thread. It may get the
+        # interruption instead, and Python would print a traceback.
+        sys.unraisablehook = _nothing
         interrupt = ctypes.py_object(KeyboardInterrupt)
         ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(worker.ident or 0), interrupt)
         with suppress(Empty):
@@ -182,7 +185,7 @@ def _is_importing(worker: threading.Thread) -> bool:
     return False
 
 
-def _nothing() -> None:
+def _nothing(*_: object) -> None:
     pass
 
 
