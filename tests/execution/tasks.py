@@ -31,6 +31,12 @@ def brief(_: object, task: int) -> tuple[int, int]:
     return task, os.getpid()
 
 
+def long_in(parent: int, task: int) -> int:
+    """Take long in one process, and hardly any time in others; return the number of the process."""
+    time.sleep(0.5 if os.getpid() == parent else 0.01)
+    return os.getpid()
+
+
 def library_threads(_: object, task: int) -> int:
     np.ones((2, 2)) @ np.ones((2, 2))
     return max((pool["num_threads"] for pool in threadpool_info()), default=1)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from uvshear.imaging.grid import ImageGrid
-from uvshear.imaging.w_terms import IN_THE_TAIL, WTerms
+from uvshear.imaging.w_terms import IN_THE_TAIL, WTerms, number_of_terms
 
 SIZE = 256
 
@@ -92,3 +92,15 @@ def test_weighted_visibilities_are_the_adjoint():
 def test_w_planes_are_used_where_they_cost_less(phase, samples, has_terms):
     image = _image()
     assert (WTerms.within(_w(phase, image, samples), image, 1e-4) is not None) is has_terms
+
+
+def test_the_number_of_products_is_known_from_a_few_samples():
+    image = _image()
+    for phase in (0.1, 1.0):
+        w = _w(phase, image, samples=5000)
+        terms = WTerms.within(w, image, 1e-4)
+        assert number_of_terms(w[::10], image, 1e-4, len(w)) == len(terms)
+    # With so many samples, w-planes are cheaper; without any, a single image is enough.
+    assert number_of_terms(w[::10], image, 1e-4, 10**7) is None
+    assert number_of_terms(w[:0], image, 1e-4, 0) == 1
+    assert number_of_terms(_w(20.0, image), image, 1e-4, 100) is None

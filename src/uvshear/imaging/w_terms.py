@@ -99,7 +99,9 @@ class _Basis:
         self, w: Float[Array, " sample"], error: float
     ) -> tuple[int, Float[Array, " term"]] | None:
         """Return the smallest number of products with at most this rms error, and the rms of each p_k(w)."""
-        largest = float(np.abs(w).max(initial=0.0))
+        if len(w) == 0:
+            return 1, np.ones(1)
+        largest = float(np.abs(w).max())
         if self.corner >= 1 or math.pi * self.corner * largest > _LARGEST_PHASE:
             return None
         few = self.projected(w[:: max(1, len(w) // _FEW)])

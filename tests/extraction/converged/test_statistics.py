@@ -75,18 +75,19 @@ def test_fluxes_are_those_at_1_4_ghz(prepared):
     assert kept[0]["power"] == pytest.approx(2**1.4 * prepared.state.facet(0).power.sum(), rel=1e-6)
 
 
-def test_a_task_has_galaxies_of_one_beam_and_the_largest_come_first(prepared, monkeypatch):
-    state, galaxies = prepared.state, list(prepared.modelled.galaxies)
-    cutouts, mixtures = state.interaction.plan.cutouts, state.interaction.beams.mixtures
-    for most in (1, 2, 100):
+def test_a_task_has_galaxies_of_one_kind_and_the_largest_come_first(monkeypatch):
+    rng = np.random.default_rng(4)
+    kinds, sizes = rng.choice(4, 60, p=[0.1, 0.2, 0.3, 0.4]), rng.normal(size=60)
+    for most in (1, 7, 100):
         monkeypatch.setattr(statistics, "MOST_IN_A_PART", most)
-        parts = statistics._by_beam(state, galaxies)
-        assert sorted(k for part in parts for k in part) == sorted(galaxies)
-        assert sorted(map(len, parts), reverse=True) == list(map(len, parts))
-        assert max(map(len, parts)) <= most
+        parts = statistics._divided(
+            range(60), lambda k: (int(kinds[k]),), lambda k: float(sizes[k])
+        )
+        assert sorted(k for part in parts for k in part) == list(range(60))
+        lengths = [len(part) for part in parts]
+        assert lengths == sorted(lengths, reverse=True)
+        assert max(lengths) <= most
         for part in parts:
-            assert (
-                len({(cutouts[k].size, cutouts[k].longest, mixtures[k].beams) for k in part}) == 1
-            )
-            sizes = [state.sources[k].prior.log_scale_length for k in part]
-            assert sizes == sorted(sizes)
+            assert len(set(kinds[part])) == 1
+            assert list(sizes[part]) == sorted(sizes[part])
+    assert len(parts) == 4

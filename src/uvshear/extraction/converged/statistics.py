@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from typing import Any
 
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.sky_state import SkyState
@@ -84,12 +85,7 @@ def _numbers(statistic: Statistic, seen: SourceFacet) -> Kept:
 
 
 def _by_beam(state: SkyState, galaxies: Sequence[int]) -> list[list[int]]:
-    """Divide galaxies into parts with the same cells and the same beam, in which similar sizes follow one another.
-
-    What estimators compute for all facets with the same cells, similar beams and similar sizes takes more time than
-    their computations for a single galaxy. A part is therefore the work of one worker. The largest parts come first,
-    so that all workers finish at about the same time.
-    """
+    """Divide galaxies into parts with the same cells and the same beam, in which similar sizes follow one another."""
     cutouts, mixtures = state.interaction.plan.cutouts, state.interaction.beams.mixtures
 
     def beam(k: int) -> tuple[int, float, tuple[int, ...]]:
@@ -98,10 +94,22 @@ def _by_beam(state: SkyState, galaxies: Sequence[int]) -> list[list[int]]:
     def size(k: int) -> float:
         return state.sources[k].prior.log_scale_length
 
-    ordered = sorted(galaxies, key=lambda k: (beam(k), size(k)))
+    return _divided(galaxies, beam, size)
+
+
+def _divided(
+    galaxies: Sequence[int], kind: Callable[[int], tuple[Any, ...]], size: Callable[[int], float]
+) -> list[list[int]]:
+    """Divide galaxies into parts of one kind, in the order of their sizes.
+
+    What estimators compute for all galaxies of a kind and of similar sizes takes more time than what they compute for a
+    single galaxy. A part is therefore the work of one worker. The largest parts come first, so that all workers finish
+    at about the same time.
+    """
+    ordered = sorted(galaxies, key=lambda k: (kind(k), size(k)))
     parts = [
         same[first : first + MOST_IN_A_PART]
-        for same in (list(group) for _, group in groupby(ordered, key=beam))
+        for same in (list(group) for _, group in groupby(ordered, key=kind))
         for first in range(0, len(same), MOST_IN_A_PART)
     ]
     return sorted(parts, key=len, reverse=True)
