@@ -192,9 +192,11 @@ class CopiedCrew(Crew[Shared]):
         try:
             yield from self._results_in_order(call, waiting)
         finally:
-            self._call = None
+            with self._changed:
+                self._call = None
+                was_given_up = any(copy.begun for copy in self._copies)
             # Answers that nobody has waited for would be taken for those of later tasks.
-            if any(copy.begun for copy in self._copies):
+            if was_given_up:
                 self._end_copies()
 
     def _results_in_order(self, call: _Call, waiting: Iterator[tuple[int, Any]]) -> Iterator[Any]:
