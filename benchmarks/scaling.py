@@ -107,7 +107,7 @@ def predicted(calls: list[tuple[str, list[float]]], wall: float) -> dict[str, fl
         for name, span in sorted(spans.items()):
             figures[f"{name.replace(' ', '_')}_{workers}_s"] = span
         figures[f"all_{workers}_s"] = total
-        figures[f"speed_up_{workers}"] = wall / total
+        figures[f"speed_{workers}"] = wall / total
     return figures
 
 

@@ -75,13 +75,12 @@ def test_fluxes_are_those_at_1_4_ghz(prepared):
     assert kept[0]["power"] == pytest.approx(2**1.4 * prepared.state.facet(0).power.sum(), rel=1e-6)
 
 
-def test_a_task_has_galaxies_of_one_kind_and_the_largest_come_first(monkeypatch):
+def test_a_task_has_galaxies_of_one_kind_and_the_largest_come_first():
     rng = np.random.default_rng(4)
     kinds, sizes = rng.choice(4, 60, p=[0.1, 0.2, 0.3, 0.4]), rng.normal(size=60)
     for most in (1, 7, 100):
-        monkeypatch.setattr(statistics, "MOST_IN_A_PART", most)
         parts = statistics._divided(
-            range(60), lambda k: (int(kinds[k]),), lambda k: float(sizes[k])
+            range(60), lambda k: (int(kinds[k]),), lambda k: float(sizes[k]), most
         )
         assert sorted(k for part in parts for k in part) == list(range(60))
         lengths = [len(part) for part in parts]

@@ -1,5 +1,6 @@
 """Statistics of all galaxies of a released sky, for estimators of the shear."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -19,7 +20,8 @@ several sources takes another 0.4 GB at most."""
 
 MOST_IN_A_PART = 100
 """Largest number of galaxies in a task. The decompositions of the likelihood take as long as the statistics of 70
-galaxies; with smaller parts, more workers would compute the same decomposition."""
+galaxies; with smaller parts, more workers would compute the same decomposition. In small fields parts are smaller,
+because some workers would have nothing to do. The statistics do not depend on the parts."""
 
 
 def keep_statistics(
@@ -32,10 +34,11 @@ def keep_statistics(
     """Compute the statistics of every galaxy, with a flag for each estimator, by index of the catalogue."""
     subject = _Kept(state, modelled, setting, phase_centre, modelled.strength_at_1_4_ghz)
     kept: dict[int, Kept] = {}
-    parts = _by_beam(state, modelled.galaxies)
     resources = setting.resources
     workers = min(resources.memory // BYTES_PER_WORKER, resources.executor.workers)
     executor = resources.executor.at_most(int(workers))
+    most = min(MOST_IN_A_PART, math.ceil(len(modelled.galaxies) / (2 * executor.workers)))
+    parts = _by_beam(state, modelled.galaxies, most)
     for part, found in zip(parts, executor.distribute(_statistics, subject, parts), strict=True):
         for k, numbers in zip(part, found, strict=True):
             on_source()
@@ -84,7 +87,7 @@ def _numbers(statistic: Statistic, seen: SourceFacet) -> Kept:
     return {**numbers, flag_column(name): flag.word} if name else numbers
 
 
-def _by_beam(state: SkyState, galaxies: Sequence[int]) -> list[list[int]]:
+def _by_beam(state: SkyState, galaxies: Sequence[int], most: int) -> list[list[int]]:
     """Divide galaxies into parts with the same cells and the same beam, in which similar sizes follow one another."""
     cutouts, mixtures = state.interaction.plan.cutouts, state.interaction.beams.mixtures
 
@@ -94,13 +97,16 @@ def _by_beam(state: SkyState, galaxies: Sequence[int]) -> list[list[int]]:
     def size(k: int) -> float:
         return state.sources[k].prior.log_scale_length
 
-    return _divided(galaxies, beam, size)
+    return _divided(galaxies, beam, size, most)
 
 
 def _divided(
-    galaxies: Sequence[int], kind: Callable[[int], tuple[Any, ...]], size: Callable[[int], float]
+    galaxies: Sequence[int],
+    kind: Callable[[int], tuple[Any, ...]],
+    size: Callable[[int], float],
+    most: int,
 ) -> list[list[int]]:
-    """Divide galaxies into parts of one kind, in the order of their sizes.
+    """Divide galaxies into parts of one kind and of at most ``most`` galaxies, in the order of their sizes.
 
     What estimators compute for all galaxies of a kind and of similar sizes takes more time than what they compute for a
     single galaxy. A part is therefore the work of one worker. The largest parts come first, so that all workers finish
@@ -108,9 +114,9 @@ def _divided(
     """
     ordered = sorted(galaxies, key=lambda k: (kind(k), size(k)))
     parts = [
-        same[first : first + MOST_IN_A_PART]
+        same[first : first + most]
         for same in (list(group) for _, group in groupby(ordered, key=kind))
-        for first in range(0, len(same), MOST_IN_A_PART)
+        for first in range(0, len(same), most)
     ]
     return sorted(parts, key=len, reverse=True)
 
