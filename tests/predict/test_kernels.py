@@ -41,19 +41,42 @@ def test_sources_are_added_with_their_phases(kernel, dtype, allowed, rows):
     np.testing.assert_allclose(real + 1j * imaginary, expected, rtol=0, atol=allowed)
 
 
-def test_a_plane_has_the_form_the_taper_and_the_phases_of_its_axes():
+def test_planes_have_the_forms_the_taper_and_the_phases_of_their_axes():
     u, v, reach = np.linspace(-1, 1, 6), np.linspace(0, 1, 4), np.array([4, 2, 0, 1, 3, 4])
     within = np.arange(4) < reach[:, None]
-    q, spectrum = np.empty(14), np.full((6, 4), np.nan, complex)
-    kernels.plane_argument(u, v, reach, np.array([2.0, -0.5, 1.5]), q)
-    expected = 2 * u[:, None] ** 2 - 0.5 * u[:, None] * v + 1.5 * v**2
-    np.testing.assert_allclose(q, expected[within], atol=1e-14)
-    taper, along_u, along_v = np.linspace(1, 0.5, 14), np.exp(1j * u), np.exp(2j * v)
-    kernels.plane_spectrum(np.exp(-q), taper, reach, along_u, along_v, spectrum)
+    forms = np.array([[2.0, -0.5, 1.5], [1.0, 0.3, 0.7]])
+    q, spectra = np.empty((2, 14)), np.full((2, 6, 4), np.nan, complex)
+    kernels.plane_arguments(u, v, reach, forms, q)
+    a, b, c = forms.T[:, :, None, None]
+    expected = a * u[:, None] ** 2 + b * u[:, None] * v + c * v**2
+    np.testing.assert_allclose(q, expected[:, within], atol=1e-14)
+    taper = np.linspace(1, 0.5, 14)
+    along_u, along_v = np.exp(1j * np.outer([1, 3], u)), np.exp(2j * np.outer([1, -1], v))
+    kernels.plane_spectra(np.exp(-q), taper, reach, along_u, along_v, spectra)
     whole = np.zeros((6, 4))
     whole[within] = taper
-    expected = whole * np.exp(-expected) * along_u[:, None] * along_v
-    np.testing.assert_allclose(spectrum, expected, atol=1e-14)
+    expected = whole * np.exp(-expected) * along_u[:, :, None] * along_v[:, None]
+    np.testing.assert_allclose(spectra, expected, atol=1e-14)
+
+
+def test_phases_along_an_axis_are_those_of_an_offset_with_the_origin_at_the_centre():
+    offsets, size = np.array([0.3, -0.2]), 8
+    k = np.fft.fftfreq(size).astype(np.float32)
+    phases = np.empty((2, size), np.complex64)
+    kernels.axis_phases(offsets, k, phases)
+    from_the_corner = offsets[:, None] + size // 2
+    np.testing.assert_allclose(phases, np.exp(-2j * np.pi * from_the_corner * k), atol=1e-6)
+
+
+def test_stamps_are_added_at_their_corners():
+    rng = np.random.default_rng(2)
+    stamps, image = rng.normal(size=(3, 4, 4)), np.ones((12, 10))
+    corners, flux = np.array([[0, 0], [2, 3], [8, 6]]), np.array([1.0, -2.0, 0.5])
+    expected = image.copy()
+    for stamp, (i, j), scale in zip(stamps, corners, flux, strict=True):
+        expected[i : i + 4, j : j + 4] += scale * stamp
+    kernels.add_stamps(stamps, flux, corners, image)
+    np.testing.assert_allclose(image, expected, atol=1e-14)
 
 
 def test_a_change_is_the_difference_times_the_beam_and_has_the_power_of_the_whole_plane():

@@ -21,7 +21,7 @@ from uvshear.predict.rendering import (
     render,
     smooth_step,
     stamp_size,
-    transform_on_stamp,
+    transforms_on_stamps,
 )
 
 LONGEST = 6e4
@@ -95,8 +95,10 @@ def test_coarse_pixels_show_the_same_galaxies_to_shorter_baselines():
 @pytest.mark.parametrize("offset", [(0.0, 0.0), (0.5 * PIXEL, -0.4 * PIXEL)])
 def test_a_point_source_has_faded_at_the_edge_of_the_smallest_stamp(offset):
     size = SMALLEST_STAMP
-    spectrum = transform_on_stamp(np.zeros(3), offset, size, BAND, PROFILES["exponential"])
-    stamp = fft.fftshift(fft.irfft2(spectrum, s=(size, size)))
+    (spectrum,) = transforms_on_stamps(
+        np.zeros((1, 3)), np.array([offset]), size, BAND, PROFILES["exponential"]
+    )
+    stamp = fft.irfft2(spectrum, s=(size, size))
     edge = np.concatenate([stamp[0], stamp[-1], stamp[:, 0], stamp[:, -1]])
     # measured 1.5e-3; with an edge in the uv plane instead of the taper: 3e-2
     assert np.abs(edge).max() < 2.5e-3 * stamp.max()

@@ -13,13 +13,11 @@ def half_spectrum(image: Float[Array, "l m"]) -> Complex[Array, "u v"]:
     return np.asarray(ducc0.fft.r2c(image, axes=_AXES, nthreads=1))
 
 
-def image_of(spectrum: Complex[Array, "u v"], size: int) -> Float[Array, "l m"]:
-    """Transform back to a square image of ``size`` pixels with its origin at the centre.
-
-    This is ``fftshift`` of what ``irfft2`` returns.
-    """
-    image = ducc0.fft.c2r(spectrum, axes=_AXES, lastsize=size, forward=False, inorm=2, nthreads=1)
-    return np.fft.fftshift(image)
+def images_of(spectra: Complex[Array, "image u v"], size: int) -> Float[Array, "image l m"]:
+    """Transform back to square images of ``size`` pixels, as ``irfft2`` does, in the calling thread."""
+    return np.asarray(
+        ducc0.fft.c2r(spectra, axes=(1, 2), lastsize=size, forward=False, inorm=2, nthreads=1)
+    )
 
 
 def image_into(spectrum: Complex[Array, "u v"], image: Float[Array, "l m"]) -> None:

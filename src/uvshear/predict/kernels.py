@@ -63,26 +63,53 @@ def add_sources_single(uvw, per_metre, lmn1, flux, envelope, real, imaginary):  
 
 
 @compiled
-def plane_argument(u, v, reach, form, q):  # type: ignore[no-untyped-def]
-    """Write form[0] u^2 + form[1] u v + form[2] v^2 into q, for the first ``reach[i]`` cells of each row in turn."""
-    a, b, c = form
-    k = 0
-    for i in range(u.size):
-        first, second = a * u[i] * u[i], b * u[i]
-        for j in range(reach[i]):
-            q[k + j] = first + (second + c * v[j]) * v[j]
-        k += reach[i]
+def plane_arguments(u, v, reach, forms, q):  # type: ignore[no-untyped-def]
+    """Write form[0] u^2 + form[1] u v + form[2] v^2 of each source into its row of q.
+
+    The cells are the first ``reach[i]`` of each row of the plane in turn.
+    """
+    for s in range(len(q)):
+        a, b, c = forms[s]
+        own, k = q[s], 0
+        for i in range(u.size):
+            first, second = a * u[i] * u[i], b * u[i]
+            for j in range(reach[i]):
+                own[k + j] = first + (second + c * v[j]) * v[j]
+            k += reach[i]
 
 
 @compiled
-def plane_spectrum(envelope, taper, reach, along_u, along_v, spectrum):  # type: ignore[no-untyped-def]
-    """Write the product of envelope, taper, and the phases of both axes; zero beyond the reach of each row."""
-    k = 0
-    for i in range(along_u.size):
-        for j in range(reach[i]):
-            spectrum[i, j] = (envelope[k + j] * taper[k + j]) * (along_u[i] * along_v[j])
-        spectrum[i, reach[i] :] = 0
-        k += reach[i]
+def plane_spectra(envelopes, taper, reach, along_u, along_v, spectra):  # type: ignore[no-untyped-def]
+    """Write the product of envelope, taper, and the phases of both axes of each source; zero beyond the reach."""
+    for s in range(len(spectra)):
+        own, phase_u, phase_v, k = envelopes[s], along_u[s], along_v[s], 0
+        for i in range(reach.size):
+            row, of_row = spectra[s, i], phase_u[i]
+            for j in range(reach[i]):
+                row[j] = (own[k + j] * taper[k + j]) * (of_row * phase_v[j])
+            row[reach[i] :] = 0
+            k += reach[i]
+
+
+@compiled
+def axis_phases(offsets, k, phases):  # type: ignore[no-untyped-def]
+    """Write (-1)^j exp(-2 pi i offset k_j) of each source into its row; the sign moves the origin to the centre."""
+    for s in range(len(phases)):
+        for j in range(k.size):
+            angle = -2 * math.pi * offsets[s] * k[j]
+            sign = 1 - 2 * (j % 2)
+            phases[s, j] = complex(sign * math.cos(angle), sign * math.sin(angle))
+
+
+@compiled
+def add_stamps(stamps, flux, corners, image):  # type: ignore[no-untyped-def]
+    """Add flux times stamp of each source to an image, with the stamp's first pixel at its corner."""
+    for s in range(len(stamps)):
+        for i in range(stamps.shape[1]):
+            row = image[corners[s, 0] + i, corners[s, 1] :]
+            own, scale = stamps[s, i], flux[s]
+            for j in range(own.size):
+                row[j] += scale * own[j]
 
 
 @compiled

@@ -13,7 +13,7 @@ from uvshear.geometry.ellipticity import quadratic_form
 from uvshear.imaging.bands import Band
 from uvshear.imaging.tiles import Tile
 from uvshear.numerics.fft_sizes import fast_size
-from uvshear.numerics.real_transforms import image_of
+from uvshear.numerics.real_transforms import images_of
 from uvshear.predict import kernels
 from uvshear.typing import Array, Complex, Float, Int
 
@@ -24,6 +24,10 @@ extent of its image."""
 LARGEST_STAMP = 1536
 """Largest size of a stamp [pixels], however large a galaxy is listed or fitted: 430 arcsec for the finest pixels of
 SKA-Mid. A galaxy with a scale length of 25 arcsec has 0.2 per cent of its flux outside, which comes to lie inside."""
+
+PIXELS_AT_A_TIME = 2**15
+"""Number of pixels of the stamps that are transformed together; they and their transforms fit into the level-2 cache.
+Stamps of one at a time would mostly be the work of the interpreter."""
 
 STEEPNESS = 9.0
 """Shape parameter of the Kaiser window whose integral is the taper."""
@@ -94,16 +98,20 @@ class Stamps:
 def draw(stamps: Stamps, tile: Tile, band: Band, profile: Profile) -> Float[Array, "l m"]:
     """Draw galaxies on a tile that holds their stamps, as :func:`render` does."""
     image = np.zeros((tile.size, tile.size), np.float32)
-    pixel = band.pixel
-    for place, form, flux, size in zip(
-        stamps.place / pixel, stamps.forms, stamps.flux, stamps.sizes, strict=True
-    ):
-        nearest = round(place[0]), round(place[1])
-        offset = (place[0] - nearest[0]) * pixel, (place[1] - nearest[1]) * pixel
-        spectrum = transform_on_stamp(form, offset, size, band, profile, stamps.steepness)
-        stamp = image_of(spectrum, size)
-        i, j = (nearest[axis] - tile.origin[axis] - size // 2 for axis in (0, 1))
-        image[i : i + size, j : j + size] += np.float32(flux) * stamp
+    sizes = np.array(stamps.sizes, dtype=int)
+    nearest = np.rint(stamps.place / band.pixel).astype(int)
+    offset = stamps.place - nearest * band.pixel
+    corner = nearest - np.array(tile.origin) - sizes[:, None] // 2
+    flux = stamps.flux.astype(np.float32)
+    for size in np.unique(sizes).tolist():
+        alike = np.flatnonzero(sizes == size)
+        count = max(1, PIXELS_AT_A_TIME // size**2)
+        for first in range(0, len(alike), count):
+            some = alike[first : first + count]
+            spectra = transforms_on_stamps(
+                stamps.forms[some], offset[some], size, band, profile, stamps.steepness
+            )
+            kernels.add_stamps(images_of(spectra, size), flux[some], corner[some], image)
     return image
 
 
@@ -113,24 +121,24 @@ def stamp_size(half_width: float, pixel: float) -> int:
     return fast_size(min(size, LARGEST_STAMP))
 
 
-def transform_on_stamp(
-    form: Float[Array, " 3"],
-    offset: tuple[float, float],
+def transforms_on_stamps(
+    forms: Float[Array, "source 3"],
+    offsets: Float[Array, "source 2"],
     size: int,
     band: Band,
     profile: Profile,
     steepness: float = STEEPNESS,
-) -> Complex[Array, "u v"]:
-    """Fourier transform of a galaxy of unit flux on a stamp, in the layout of ``irfft2``.
+) -> Complex[Array, "source u v"]:
+    """Fourier transforms of galaxies of unit flux on stamps, each in the layout of ``irfft2``.
 
     Parameters
     ----------
-    form
-        Quadratic form of the galaxy (``geometry.ellipticity.quadratic_form``) [rad^2].
-    offset
-        Position relative to the central pixel [rad].
+    forms
+        Quadratic form of each galaxy (``geometry.ellipticity.quadratic_form``) [rad^2].
+    offsets
+        Position of each galaxy relative to the central pixel [rad].
     size
-        Number of pixels along a side.
+        Number of pixels along a side, which is even. The central pixel is (size/2, size/2).
     band
         Baselines, and pixels.
     profile
@@ -139,11 +147,13 @@ def transform_on_stamp(
         Shape parameter of the taper beyond the band.
     """
     plane = stamp_plane(size, band, steepness)
-    spectrum = np.empty((len(plane.u), len(plane.v)), np.complex64)
-    along_u, along_v = plane.phases(offset)
-    envelope = profile.envelope(plane.argument(form))
-    kernels.plane_spectrum(envelope, plane.taper, plane.reach, along_u, along_v, spectrum)
-    return spectrum
+    along_u, along_v = (np.empty((len(forms), len(k)), np.complex64) for k in (plane.u, plane.v))
+    kernels.axis_phases(np.ascontiguousarray(offsets[:, 0]), plane.u, along_u)
+    kernels.axis_phases(np.ascontiguousarray(offsets[:, 1]), plane.v, along_v)
+    envelopes = profile.envelope(plane.arguments(forms))
+    spectra = np.empty((len(forms), len(plane.u), len(plane.v)), np.complex64)
+    kernels.plane_spectra(envelopes, plane.taper, plane.reach, along_u, along_v, spectra)
+    return spectra
 
 
 @dataclass(frozen=True)
@@ -167,9 +177,13 @@ class StampPlane:
 
     def argument(self, form: Float[Array, " 3"]) -> Float[Array, " cell"]:
         """Argument q of the envelope of a galaxy with this quadratic form [rad^2]."""
-        q = np.empty(len(self.taper), np.float32)
-        scaled = (4 * math.pi**2 * form).astype(np.float32)
-        kernels.plane_argument(self.u, self.v, self.reach, scaled, q)
+        return self.arguments(form[None])[0]
+
+    def arguments(self, forms: Float[Array, "source 3"]) -> Float[Array, "source cell"]:
+        """Argument q of the envelope of each galaxy with these quadratic forms [rad^2]."""
+        q = np.empty((len(forms), len(self.taper)), np.float32)
+        scaled = (4 * math.pi**2 * forms).astype(np.float32)
+        kernels.plane_arguments(self.u, self.v, self.reach, scaled, q)
         return q
 
     def phases(
