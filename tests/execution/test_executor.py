@@ -6,8 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.execution import tasks as work
-from uvshear.execution import Copies, Executor, Processes, Serial, Threads
-from uvshear.execution.copied_crew import AHEAD
+from uvshear.execution import Copies, Executor, Processes, Serial, Threads, copied_crew, ordered
 
 EXECUTORS = [Serial(), Threads(1), Threads(2), Threads(3), Processes(2), Copies(2)]
 each = pytest.mark.parametrize("executor", EXECUTORS, ids=repr)
@@ -71,10 +70,8 @@ def test_few_tasks_are_begun_ahead(executor: Executor) -> None:
         begun.clear()
         ahead = [len(begun) - count for count, _ in enumerate(results, start=1)]
         # Large tasks wait in memory: without a bound all of them would.
-        most = {Serial: 0, Copies: AHEAD * executor.workers}.get(
-            type(executor), executor.workers + 1
-        )
-        assert max(ahead) <= most
+        per_worker = {Serial: 0, Copies: copied_crew.AHEAD}.get(type(executor), ordered.AHEAD)
+        assert max(ahead) <= per_worker * executor.workers
 
 
 @pytest.mark.parametrize("executor", [Serial(), Copies(2)])

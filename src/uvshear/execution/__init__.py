@@ -13,6 +13,7 @@ from uvshear.execution.crew import Crew
 from uvshear.execution.executor import Executor
 from uvshear.execution.libraries import single_threaded_libraries
 from uvshear.execution.processes import Processes, end_processes
+from uvshear.execution.promise import Promise
 from uvshear.execution.resources import Resources
 from uvshear.execution.serial import Serial
 from uvshear.execution.threads import Threads
@@ -27,6 +28,7 @@ __all__ = [
     "Crew",
     "Executor",
     "Processes",
+    "Promise",
     "Resources",
     "Serial",
     "Threads",

@@ -15,7 +15,7 @@ class Threads(Counted):
     """Runs tasks in ``count`` threads, which share memory and, outside compiled code, the interpreter's lock."""
 
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
-        """Yield the results; at most one task more than there are threads is begun ahead of them."""
+        """Yield the results; few tasks are begun ahead of them (``ordered.AHEAD``)."""
         with ThreadPoolExecutor(self.count) as pool:
             yield from ordered_results(pool, self.count, function, tasks)
 

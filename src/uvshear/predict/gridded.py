@@ -1,15 +1,16 @@
 """Visibilities of many galaxies by way of images: the galaxies are drawn on tiles, which are degridded."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
-from typing import Self
+from typing import Self, TypeAlias, TypeVar
 
 import numpy as np
 
 from uvshear.errors import InputError
-from uvshear.execution import SERIAL, Executor, Resources
+from uvshear.execution import SERIAL, Executor, Promise, Resources
 from uvshear.galaxy import Galaxies, Profile
 from uvshear.imaging.bands import Band
 from uvshear.imaging.tangent import TangentPlane
@@ -18,6 +19,8 @@ from uvshear.interferometer.samples import Samples
 from uvshear.predict.rendering import render, stamp_size
 from uvshear.predict.response import Response, SeenAs, seen_as
 from uvshear.typing import Array, Complex, Float
+
+Value = TypeVar("Value")
 
 SLAB = 2**21
 """Number of samples that one call of the gridder takes; it depends on the data alone, so that sums do not depend on the
@@ -34,8 +37,12 @@ with 2^21, and 6 times with 2^18."""
 BYTES_PER_SAMPLE = 160
 """Memory for each sample of a block: the sample in the blocks of two accumulators, and its model."""
 
-BYTES_IN_FLIGHT = 80
-"""Memory for each sample of a slab while it is gridded: its baseline as seen from a tile, and the gridder's index."""
+BYTES_IN_FLIGHT = 104
+"""Memory for each sample of a slab while it is gridded: its baseline as seen from a tile, the gridder's index, and the
+visibilities of three slabs that wait to be added."""
+
+SAMPLE_OVER_PIXEL = 3.0
+"""Time that a sample takes over that of a pixel, when an image is degridded."""
 
 BYTES_PER_PIXEL = 60
 """Memory for each pixel that is processed: the pixel, and the oversampled plane of the gridder."""
@@ -145,45 +152,43 @@ def predict_bands(
     """Predict the visibilities of the sky for samples of several bands [Jy]; tiles of all bands are drawn together."""
     models = [np.zeros(len(each.samples), np.complex64) for each in bands]
     response = sky.response
+    parts = [
+        part
+        for number in _longest_first(bands)
+        for tile in bands[number].tiles
+        for part in _parts(number, _padded(tile, sky, bands[number].band), sky, bands[number].band)
+    ]
 
-    def draw(part: _Part) -> Float[Array, "l m"]:
+    def draw(part: _Part) -> None:
         members = part.tile.members
-        return render(
-            sky.galaxies.select(members),
-            part.flux,
-            sky.half_width[members],
-            part.tile,
-            bands[part.number].band,
-            sky.profile,
+        part.image.keep(
+            lambda: render(
+                sky.galaxies.select(members),
+                part.flux,
+                sky.half_width[members],
+                part.tile,
+                bands[part.number].band,
+                sky.profile,
+            )
         )
 
-    def predict(
-        task: tuple[_Part, Float[Array, "l m"], slice],
-    ) -> tuple[int, slice, Complex[Array, " slab"]]:
-        part, image, rows = task
+    def predict(part: _Part, rows: slice) -> _Predicted:
         samples, pixel = bands[part.number].samples, bands[part.number].band.pixel
         plane = TangentPlane.at(samples.uvw[rows], *part.tile.centre(pixel))
-        vis = plane.visibilities(image, pixel, gridding.epsilon)
+        vis = plane.visibilities(part.image.value(), pixel, gridding.epsilon)
         factor = response.source_factor(samples.select(rows), *part.seen_as)
         return part.number, rows, vis * factor
 
-    parts = [
-        part
-        for number, each in enumerate(bands)
-        for tile in each.tiles
-        for part in _parts(number, _padded(tile, sky, each.band), sky, each.band)
-    ]
+    def predictions(part: _Part) -> list[Callable[[], _Predicted]]:
+        return [partial(predict, part, rows) for rows in slabs(len(bands[part.number].samples))]
+
+    tasks = one_ahead((partial(draw, part), predictions(part)) for part in parts)
     widest = max((part.tile.size for part in parts), default=1)
     most = max((len(each.samples) for each in bands), default=0)
-    executor = gridding.executor_for(widest, most)
-    drawn = zip(parts, executor.map(draw, parts), strict=True)
-    tasks = (
-        (part, image, rows)
-        for part, image in drawn
-        for rows in slabs(len(bands[part.number].samples))
-    )
-    for number, rows, vis in executor.map(predict, tasks):
-        models[number][rows] += vis
+    for predicted in gridding.executor_for(widest, most).map(_run, tasks):
+        if predicted is not None:
+            number, rows, vis = predicted
+            models[number][rows] += vis
 
     def finish(number: int) -> None:
         models[number] *= response.gain(bands[number].samples.frequency)
@@ -193,17 +198,48 @@ def predict_bands(
     return models
 
 
+_Predicted: TypeAlias = tuple[int, slice, Complex[Array, " slab"]]
+"""Number of a band, some of its samples, and what a tile adds to their visibilities [Jy]."""
+
+
+def _run(task: Callable[[], _Predicted | None]) -> _Predicted | None:
+    return task()
+
+
+def one_ahead(
+    parts: Iterable[tuple[Callable[[], None], Sequence[Callable[[], Value]]]],
+) -> Iterator[Callable[[], Value | None]]:
+    """Yield the tasks of each part, the first of which prepares the others, one part ahead of these."""
+    ready: Sequence[Callable[[], Value]] = ()
+    for prepare, others in parts:
+        yield prepare
+        yield from ready
+        ready = others
+    yield from ready
+
+
+def _longest_first(bands: Sequence[PredictedBand]) -> list[int]:
+    """Order bands by the time that a tile takes, so that all workers end at about the same time."""
+
+    def cost(number: int) -> float:
+        largest = max((tile.size for tile in bands[number].tiles), default=0)
+        return largest**2 + SAMPLE_OVER_PIXEL * len(bands[number].samples)
+
+    return sorted(range(len(bands)), key=cost, reverse=True)
+
+
 @dataclass(frozen=True)
 class _Part:
     """Fluxes of a tile's members [Jy], with the sample factors of a source at (l, m) of one spectral index.
 
-    ``number`` is that of the band in the order in which bands are predicted.
+    ``number`` is that of the tile's band.
     """
 
     number: int
     tile: Tile
     flux: Float[Array, " member"]
     seen_as: SeenAs
+    image: Promise[Float[Array, "l m"]] = field(default_factory=Promise, compare=False)
 
 
 def _parts(number: int, tile: Tile, sky: ModelledSky, band: Band) -> list[_Part]:

@@ -15,20 +15,19 @@ import numpy as np
 from uvshear.execution import Executor
 from uvshear.extraction.converged.beams import BeamAccumulator, BeamPlan, Beams
 from uvshear.extraction.converged.plan import MajorCyclePlan
-from uvshear.extraction.converged.tile_filters import TileFilters, filters_of_plan
-from uvshear.extraction.converged.tile_sizes import work_of
-from uvshear.imaging.bands import Band
-from uvshear.imaging.interpolation import add_refined
-from uvshear.imaging.tangent import TangentPlane
-from uvshear.imaging.tiles import Tile
+from uvshear.extraction.converged.residual_tiles import (
+    BandView,
+    WeightedResiduals,
+    add_to_facets,
+)
+from uvshear.extraction.converged.tile_filters import filters_of_plan
 from uvshear.imaging.uv_order import uv_order
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.blocks import BlockAccumulator
-from uvshear.predict.gridded import Gridding, ModelledSky, PredictedBand, predict_bands, slabs
-from uvshear.predict.response import Response, SeenAs
-from uvshear.typing import Array, Complex, Float, Int
+from uvshear.predict.gridded import Gridding, ModelledSky, PredictedBand, predict_bands
+from uvshear.typing import Array, Complex, Int
 
 _AT_A_TIME = 2**19
 """Number of samples in a task that assigns samples to bands."""
@@ -39,9 +38,6 @@ _BATCH = 32
 OnWork = Callable[[float], None]
 """Function that is called with the estimated cost of the work that has been done, on one core [ns]
 (``tile_sizes.work_of``)."""
-
-Images = list[Array]
-"""Images of one tile, one for each of its filters."""
 
 Facets = tuple[Complex[Array, " _"], ...]
 """Correlation of the residual with a point source at each source, in the cells of its facet [1/Jy]."""
@@ -159,36 +155,13 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
         plan, sky, gridding = self._plan, self._sky, self._gridding
         bands = range(len(plan.bands) - 1, plan.top - 1, -1)
         views = [
-            _BandView(part, plan.tiles[b], self._filters[b], plan.bands[b])
+            BandView(part, plan.tiles[b], self._filters[b], plan.bands[b])
             for b, part in zip(bands, _parts(samples, plan, bands, gridding.executor), strict=True)
         ]
-        weighted = _weighted_residuals(views, sky, gridding)
-        images_of_bands = _images(views, weighted, sky.response, gridding)
-        coarser: list[Images] = []
-        for b, view in zip(bands, views, strict=True):
-            kept = []
-            for tile, matched in zip(view.tiles, view.filters, strict=True):
-                images = next(images_of_bands)
-                if tile.parent >= 0:
-                    parent = plan.tiles[b + 1][tile.parent], self._filters[b + 1][tile.parent]
-                    _add_coarser(images, tile, matched, coarser[tile.parent], *parent)
-                if b == plan.top:
-                    _cut(images, tile, matched, plan, self._facets, gridding.executor)
-                else:
-                    kept.append(images)
-                if self._on_work is not None:
-                    self._on_work(work_of(len(view.samples), tile))
-            coarser = kept
-
-
-@dataclass(frozen=True)
-class _BandView:
-    """Samples of a band, and the tiles on which they are imaged."""
-
-    samples: Samples
-    tiles: Sequence[Tile]
-    filters: Sequence[TileFilters]
-    band: Band
+        residuals = _weighted_residuals(views, sky, gridding)
+        for work in add_to_facets(residuals, plan, self._facets, gridding):
+            if self._on_work is not None:
+                self._on_work(work)
 
 
 def _parts(
@@ -208,99 +181,16 @@ def _parts(
 
 
 def _weighted_residuals(
-    views: Sequence[_BandView], sky: ModelledSky, gridding: Gridding
-) -> list[Complex[Array, " _"]]:
-    """Return residual times weight times the common spectrum for each sample of each band [1/Jy].
-
-    This is the matched filter that all sources share.
-    """
+    views: Sequence[BandView], sky: ModelledSky, gridding: Gridding
+) -> WeightedResiduals:
+    """Subtract the models; apply the weights and the common spectrum, the part of the matched filter that all share."""
     models = predict_bands(
         [PredictedBand(view.samples, view.tiles, view.band) for view in views], sky, gridding
     )
 
-    def weighted(seen: tuple[_BandView, Complex[Array, " _"]]) -> Complex[Array, " _"]:
+    def weighted(seen: tuple[BandView, Complex[Array, " _"]]) -> Complex[Array, " _"]:
         samples, model = seen[0].samples, seen[1]
         return (samples.stokes_i - model) * (samples.weights * sky.response.gain(samples.frequency))
 
-    return list(gridding.executor.map(weighted, zip(views, models, strict=True)))
-
-
-def _images(
-    views: Sequence[_BandView],
-    weighted: Sequence[Complex[Array, " _"]],
-    response: Response,
-    gridding: Gridding,
-) -> Iterator[Images]:
-    """Yield the dirty images of each tile, one for each of its filters, in the order of bands and tiles.
-
-    Workers image tiles of different bands at the same time.
-    """
-
-    def image(task: tuple[int, Tile, SeenAs, slice]) -> Float[Array, "l m"]:
-        number, tile, seen_as, rows = task
-        view = views[number]
-        part, pixel = view.samples.select(rows), view.band.pixel
-        filtered = weighted[number][rows] * response.matched_filter(part, *seen_as)
-        plane = TangentPlane.at(view.samples.uvw[rows], *tile.centre(pixel))
-        return plane.image(filtered, tile.size, pixel, gridding.epsilon)
-
-    tasks = (
-        (number, tile, seen_as, rows)
-        for number, view in enumerate(views)
-        for tile, matched in zip(view.tiles, view.filters, strict=True)
-        for seen_as in matched.seen_as
-        for rows in slabs(len(view.samples))
-    )
-    widest = max(tile.size for view in views for tile in view.tiles)
-    most = max(len(view.samples) for view in views)
-    parts = gridding.executor_for(widest, most).map(image, tasks)
-    for view in views:
-        count = len(slabs(len(view.samples)))
-        for matched in view.filters:
-            images = []
-            for _ in matched.seen_as:
-                total = next(parts)
-                for _ in range(count - 1):
-                    total += next(parts)
-                images.append(total)
-            yield images
-
-
-def _add_coarser(
-    images: Images,
-    tile: Tile,
-    matched: TileFilters,
-    coarser: Images,
-    parent: Tile,
-    matched_parent: TileFilters,
-) -> None:
-    """Add the images of the parent tile in the next coarser band, interpolated, and combined for each filter."""
-    (i, j), (k, l) = tile.origin, parent.origin
-    shift = i - 2 * k, j - 2 * l
-    for source, image in zip(matched.chosen.tolist(), images, strict=True):
-        mixed = matched_parent.mixed(coarser, source)
-        add_refined(image, mixed, shift)
-
-
-def _cut(
-    images: Images,
-    tile: Tile,
-    matched: TileFilters,
-    plan: MajorCyclePlan,
-    facets: Sequence[Complex[Array, " _"]],
-    executor: Executor,
-) -> None:
-    """Add the cutouts of a tile's members to their facets."""
-
-    def add(source: int) -> None:
-        cutout, facet = plan.cutouts[source], facets[source]
-        size, place = cutout.size // 2**plan.top, plan.place[source] // 2**plan.top
-        i, j = place - tile.origin - size // 2
-        square = matched.mixed([image[i : i + size, j : j + size] for image in images], source)
-        if plan.top == 0:
-            facet += cutout.transform(square)
-        else:
-            cutout.add_coarse(square, 1.0, facet)
-
-    for _ in executor.map_in_batches(add, tile.members.tolist(), _BATCH):
-        pass
+    found = list(gridding.executor.map(weighted, zip(views, models, strict=True)))
+    return WeightedResiduals(views, found, sky.response, gridding.epsilon)

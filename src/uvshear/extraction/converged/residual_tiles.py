@@ -1,0 +1,211 @@
+"""Residual images on the tiles of all bands, and the facets that are cut out of the finest.
+
+A task images a slab of samples on a tile, with one of its filters. The last task of a tile of the finest band also adds
+up the images of the tile and those of the coarser bands, and cuts out facets. All tasks are in one round, so that
+workers do not wait for one another at the end of each band.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from threading import Lock
+
+from uvshear.execution import Promise
+from uvshear.extraction.converged.plan import MajorCyclePlan
+from uvshear.extraction.converged.tile_filters import TileFilters
+from uvshear.extraction.converged.tile_sizes import work_of
+from uvshear.imaging.bands import Band
+from uvshear.imaging.interpolation import add_refined
+from uvshear.imaging.tangent import TangentPlane
+from uvshear.imaging.tiles import Tile
+from uvshear.interferometer.samples import Samples
+from uvshear.predict.gridded import Gridding, slabs
+from uvshear.predict.response import Response
+from uvshear.typing import Array, Complex, Float
+
+Images = list[Float[Array, "l m"]]
+"""Images of one tile, one for each of its filters."""
+
+
+@dataclass(frozen=True)
+class BandView:
+    """Samples of a band, and the tiles on which they are imaged."""
+
+    samples: Samples
+    tiles: Sequence[Tile]
+    filters: Sequence[TileFilters]
+    band: Band
+
+
+@dataclass(frozen=True)
+class WeightedResiduals:
+    """Residuals of bands, and how they are imaged.
+
+    Parameters
+    ----------
+    views
+        Bands from the coarsest to that of which facets are cut.
+    weighted
+        Residual times weight times the common spectrum for each sample of each band [1/Jy].
+    response
+        Spectrum and attenuation of each source over the samples.
+    epsilon
+        Relative error of the gridder.
+    """
+
+    views: Sequence[BandView]
+    weighted: Sequence[Complex[Array, " _"]]
+    response: Response
+    epsilon: float
+
+
+def add_to_facets(
+    residuals: WeightedResiduals,
+    plan: MajorCyclePlan,
+    facets: Sequence[Complex[Array, " _"]],
+    gridding: Gridding,
+) -> Iterator[float]:
+    """Image the residuals and add the cutout of each source to its facet.
+
+    Yields
+    ------
+    float
+        When a tile is finished, the estimated cost of imaging it once [ns].
+    """
+    tiles = _tiles_of_bands(residuals)
+    widest = max(each.tile.size for of_band in tiles for each in of_band)
+    most = max(len(view.samples) for view in residuals.views)
+    tasks = [(each, part) for of_band in tiles for each in of_band for part in range(len(each))]
+
+    def work(task: tuple[_ImagedTile, int]) -> None:
+        each, part = task
+        each.image(part)
+        if each.is_top and part == len(each) - 1:
+            _cut(each.images(), each.tile, each.filters, plan, facets)
+            each.forget()
+
+    done = gridding.executor_for(widest, most).map(work, tasks)
+    for each in chain.from_iterable(tiles):
+        for _ in range(len(each)):
+            next(done)
+        yield work_of(len(each.view.samples), each.tile)
+
+
+def _tiles_of_bands(residuals: WeightedResiduals) -> list[list["_ImagedTile"]]:
+    tiles: list[list[_ImagedTile]] = []
+    for number, view in enumerate(residuals.views):
+        of_band = []
+        for tile, filters in zip(view.tiles, view.filters, strict=True):
+            parent = tiles[-1][tile.parent] if tile.parent >= 0 else None
+            of_band.append(_ImagedTile(residuals, number, tile, filters, parent))
+        tiles.append(of_band)
+    return tiles
+
+
+class _ImagedTile:
+    """A tile of a band, which is imaged in parts: each of its filters with each slab of samples.
+
+    Parameters
+    ----------
+    residuals
+        Residuals of all bands.
+    number
+        Number of the tile's band among them.
+    tile, filters
+        The tile, and its filters.
+    parent
+        The tile of the next coarser band that covers this one; None in the coarsest.
+    """
+
+    def __init__(
+        self,
+        residuals: WeightedResiduals,
+        number: int,
+        tile: Tile,
+        filters: TileFilters,
+        parent: "_ImagedTile | None",
+    ) -> None:
+        self.view, self.tile, self.filters = residuals.views[number], tile, filters
+        self.is_top = number == len(residuals.views) - 1
+        self._residuals, self._weighted = residuals, residuals.weighted[number]
+        self._rows = slabs(len(self.view.samples))
+        self._parts = [Promise[Float[Array, "l m"]]() for _ in range(len(self))]
+        self._lock, self._images = Lock(), Images()
+        self._parent, self._children = parent, 0
+        if parent is not None:
+            parent._children += 1
+
+    def __len__(self) -> int:
+        return len(self.filters.seen_as) * len(self._rows)
+
+    def image(self, part: int) -> None:
+        """Image one part."""
+        self._parts[part].keep(lambda: self._image(part))
+
+    def images(self) -> Images:
+        """Return the images with those of the coarser bands, when all parts have been imaged.
+
+        They are completed when they are first needed, by which time the parts of the coarser bands are mostly done.
+        """
+        with self._lock:
+            if self._parts:
+                self._images = self._complete()
+                self._parts.clear()
+            return self._images
+
+    def forget(self) -> None:
+        """Discard the images."""
+        self._images = []
+
+    def _image(self, part: int) -> Float[Array, "l m"]:
+        of_filter, slab = divmod(part, len(self._rows))
+        rows, pixel = self._rows[slab], self.view.band.pixel
+        samples = self.view.samples.select(rows)
+        matched = self._residuals.response.matched_filter(samples, *self.filters.seen_as[of_filter])
+        plane = TangentPlane.at(samples.uvw, *self.tile.centre(pixel))
+        filtered = self._weighted[rows] * matched
+        return plane.image(filtered, self.tile.size, pixel, self._residuals.epsilon)
+
+    def _complete(self) -> Images:
+        """Add up the slabs of each filter, and add the images of the coarser bands, interpolated."""
+        slabs_of_filter = len(self._rows)
+        images = []
+        for first in range(0, len(self), slabs_of_filter):
+            total = self._parts[first].value()
+            for part in self._parts[first + 1 : first + slabs_of_filter]:
+                total += part.value()
+            images.append(total)
+        if self._parent is not None:
+            self._parent.add_to(self, images)
+        return images
+
+    def add_to(self, finer: "_ImagedTile", images: Images) -> None:
+        """Add the images of this tile to those of a tile of the next finer band; discard them after the last tile."""
+        own = self.images()
+        (i, j), (k, l) = finer.tile.origin, self.tile.origin
+        for source, image in zip(finer.filters.chosen.tolist(), images, strict=True):
+            mixed = self.filters.mixed(own, source)
+            add_refined(image, mixed, (i - 2 * k, j - 2 * l))
+        with self._lock:
+            self._children -= 1
+            if self._children == 0:
+                self.forget()
+
+
+def _cut(
+    images: Images,
+    tile: Tile,
+    filters: TileFilters,
+    plan: MajorCyclePlan,
+    facets: Sequence[Complex[Array, " _"]],
+) -> None:
+    """Add the cutouts of a tile's members to their facets."""
+    for source in tile.members.tolist():
+        cutout, facet = plan.cutouts[source], facets[source]
+        size, place = cutout.size // 2**plan.top, plan.place[source] // 2**plan.top
+        i, j = place - tile.origin - size // 2
+        square = filters.mixed([image[i : i + size, j : j + size] for image in images], source)
+        if plan.top == 0:
+            facet += cutout.transform(square)
+        else:
+            cutout.add_coarse(square, 1.0, facet)
