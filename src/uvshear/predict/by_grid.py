@@ -190,11 +190,17 @@ def _planned(
 ) -> Iterator[_Octave]:
     """Decide for each octave which galaxies are drawn, on which tiles, and which are summed."""
     per_metre = float(frequency.max()) / SPEED_OF_LIGHT
-    distance = np.hypot(uvw[:, 0], uvw[:, 1]) * per_metre
     slope = steepest(galaxies.l, galaxies.m)
-    length = longest_seen(uvw, slope) * per_metre
     # In the frame of a tile, w is that along the direction of its centre.
-    w = np.abs(uvw[:, 2]) * per_metre + slope * distance
+    length, w = np.empty((2, len(uvw)))
+
+    def measure(rows: slice) -> None:
+        part = uvw[rows] * per_metre
+        length[rows] = longest_seen(part, slope)
+        w[rows] = np.abs(part[:, 2]) + slope * np.hypot(part[:, 0], part[:, 1])
+
+    for _ in executor.map(measure, (slice(k, k + SLAB) for k in range(0, len(uvw), SLAB))):
+        pass
     everything, flux = np.arange(len(galaxies)), largest_flux(galaxies, frequency)
 
     def octave(band: Band) -> _Octave:

@@ -25,10 +25,10 @@ from uvshear.typing import Array, Complex, Float
 SAMPLES_PER_SLAB: Final = 2**18
 """Number of visibilities whose noise comes from one stream of random numbers."""
 
-SLABS_PER_BLOCK: Final = 16
-"""Number of slabs in a block: 4 million visibilities, 64 MB."""
+SLABS_PER_BLOCK: Final = 4
+"""Number of slabs in a block: 1 million visibilities, 25 MB with their noise."""
 
-BLOCKS_PER_PREDICTION: Final = 4
+BLOCKS_PER_PREDICTION: Final = 16
 """Number of blocks that are predicted together, because galaxies are drawn anew for every prediction."""
 
 OF_THE_NOISE: Final = 1e-5
@@ -127,20 +127,19 @@ class SimulatedObservation:
         return max(1, SAMPLES_PER_SLAB // len(self.channels))
 
     def blocks(self, executor: Executor = SERIAL) -> Iterator[CorrelationBlock]:
-        """Simulate the correlations, a block of rows at a time."""
+        """Simulate the correlations, a block of rows at a time; the next blocks are made while one is used."""
         rows_per_block = SLABS_PER_BLOCK * self.rows_per_slab
         together = BLOCKS_PER_PREDICTION * rows_per_block
         for start in range(0, len(self.coverage), together):
             sky = self._predicted(slice(start, start + together), executor)
-            for first_row in range(start, start + len(sky), rows_per_block):
-                rows = slice(first_row, first_row + rows_per_block)
-                sigma = self._sigma(rows)
-                taken = sky[first_row - start :][:rows_per_block]
-                correlations = np.repeat(taken[..., None], 2, axis=2)
-                if self.seed is not None:
-                    self._add_noise(correlations, sigma, first_row // self.rows_per_slab)
-                sigma_of_hands = np.repeat(sigma[..., None], 2, axis=2)
-                yield CorrelationBlock(first_row, correlations, sigma_of_hands)
+            firsts = range(0, len(sky), rows_per_block)
+
+            def block(
+                first: int, start: int = start, sky: Complex[Array, "row chan"] = sky
+            ) -> CorrelationBlock:
+                return self._observed(sky[first : first + rows_per_block], start + first)
+
+            yield from executor.map(block, firsts)
 
     def chunks(self) -> Iterator[Visibilities]:
         """Simulate Stokes I as it would be read from a Measurement Set."""
@@ -176,6 +175,14 @@ class SimulatedObservation:
             self._losses(rows),
         )
         return sky.astype(np.complex64)
+
+    def _observed(self, sky: Complex[Array, "row chan"], first_row: int) -> CorrelationBlock:
+        """Both hands of some rows, with their noise."""
+        sigma = self._sigma(slice(first_row, first_row + len(sky)))
+        correlations = np.repeat(sky[..., None], 2, axis=2)
+        if self.seed is not None:
+            self._add_noise(correlations, sigma, first_row // self.rows_per_slab)
+        return CorrelationBlock(first_row, correlations, np.repeat(sigma[..., None], 2, axis=2))
 
     def _sigma(self, rows: slice) -> Float[Array, "row chan"]:
         """Noise of one real component of each hand [Jy]."""

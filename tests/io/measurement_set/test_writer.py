@@ -258,6 +258,7 @@ def test_casacore_s_own_measures_agree_with_the_baselines(path):
 
 def test_progress_is_told_after_every_block(tmp_path, monkeypatch):
     monkeypatch.setattr(observation_module, "SAMPLES_PER_SLAB", 200)
+    monkeypatch.setattr(observation_module, "SLABS_PER_BLOCK", 16)
     told = []
     write_measurement_set(
         tmp_path / "x.ms", simulated(), progress=lambda done, total: told.append((done, total))

@@ -51,6 +51,13 @@ CONSTANT_COLUMNS: Final = (
 REPEATED_COLUMNS: Final = ("TIME", "TIME_CENTROID", "ANTENNA1")
 """Columns with the same value in many rows one after the other, stored once for all of them."""
 
+ROW_COLUMNS: Final = ("ANTENNA2", "FLAG_CATEGORY")
+"""Columns that have a value of their own in each row, or a place for one."""
+
+BUCKET_BYTES: Final = 2**17
+"""Size of a bucket of these columns. With casacore's usual buckets of 32 rows, ANTENNA2 takes six times as long to
+write, and eight times as long to read."""
+
 SAME_SHAPE_COLUMNS: Final = ("UVW", "WEIGHT", "SIGMA")
 """Tiled columns whose description fixes the shape of the cells.
 
@@ -178,6 +185,12 @@ def _create(path: Path, observation: SimulatedObservation, fixed: Sequence[str],
     once = {"Constant": CONSTANT_COLUMNS} | {name: (name,) for name in REPEATED_COLUMNS}
     for name, columns in once.items():
         managers[name] = {"TYPE": "IncrementalStMan", "NAME": name, "COLUMNS": list(columns)}
+    managers["Rows"] = {
+        "TYPE": "StandardStMan",
+        "NAME": "Rows",
+        "COLUMNS": list(ROW_COLUMNS),
+        "SPEC": {"BUCKETSIZE": BUCKET_BYTES},
+    }
     for name, manager in managers.items():
         for column in manager["COLUMNS"]:
             description[column] |= {
