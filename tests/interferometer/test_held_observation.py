@@ -6,7 +6,9 @@ import numpy as np
 
 from tests.skies import L_BAND, random_baselines
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.held_observation import HeldObservation
+from uvshear.interferometer.held_observation import HeldObservation, held_by_parts
+from uvshear.interferometer.joint_observation import JointObservation
+from uvshear.interferometer.origin import Origin, origin_of, parts_of
 from uvshear.interferometer.visibilities import Visibilities
 
 ROWS = 20
@@ -18,6 +20,9 @@ class Counting:
     def __init__(self):
         self.readings = 0
         self.phase_centre = PhaseCentre(0.1, -0.5)
+
+    def origin(self):
+        return Origin(self, "counted")
 
     def chunks(self):
         self.readings += 1
@@ -57,3 +62,21 @@ def test_an_observation_that_does_not_fit_is_read_as_often_as_it_is_needed():
         for _ in range(2):
             assert [chunk.stokes_i[-1, 0] for chunk in held.chunks()] == [0, 1, 2]
         assert observation.readings == readings
+
+
+def test_parts_are_held_one_by_one_and_keep_their_origins():
+    parts = Counting(), Counting()
+    held = held_by_parts(JointObservation(parts[0].phase_centre, parts), 1e6)
+    for part in parts_of(held):
+        assert len(list(part.chunks())) == 3
+    assert len(list(held.chunks())) == 6
+    assert [part.readings for part in parts] == [1, 1]
+    assert [origin_of(part).observation for part in parts_of(held)] == list(parts)
+
+
+def test_a_single_part_is_held_as_it_is():
+    observation = Counting()
+    held = held_by_parts(observation, 1e6)
+    assert len(list(held.chunks())) == len(list(held.chunks())) == 3
+    assert observation.readings == 1
+    assert origin_of(held).name == "counted"

@@ -3,8 +3,13 @@
 from collections.abc import Iterator
 
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.joint_observation import JointObservation
+from uvshear.interferometer.origin import Origin, origin_of, parts_of
 from uvshear.interferometer.screening import screened_chunks
 from uvshear.interferometer.visibilities import Observation, Visibilities
+
+HELD_PART = 1 / 8
+"""Part of the memory of a measurement that the visibilities may take between passes."""
 
 
 class HeldObservation:
@@ -30,6 +35,10 @@ class HeldObservation:
         """Direction of l = m = 0."""
         return self._observation.phase_centre
 
+    def origin(self) -> Origin:
+        """Return the origin of the observation that is held."""
+        return origin_of(self._observation)
+
     def chunks(self) -> Iterator[Visibilities]:
         """Yield the chunks from memory if they are held; otherwise read them, and hold them if all of them fit."""
         if self._held is not None:
@@ -46,6 +55,13 @@ class HeldObservation:
             yield chunk
         if taken <= self._memory:
             self._held = tuple(read)
+
+
+def held_by_parts(observation: Observation, memory: float) -> Observation:
+    """Return an observation each of whose parts stays in memory; all have the same share of it."""
+    parts = parts_of(observation)
+    held = tuple(HeldObservation(part, memory / len(parts)) for part in parts)
+    return held[0] if len(held) == 1 else JointObservation(observation.phase_centre, held)
 
 
 def _bytes_of(chunk: Visibilities) -> int:

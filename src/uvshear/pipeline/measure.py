@@ -151,7 +151,7 @@ def _check_types(model: object, method: object, resources: object) -> None:
 
 def _extract(prepared: Prepared, progress: Progress | None) -> Extracted:
     """Measure the sources; signal-to-noise ratios are those of natural weights, whatever the weights of the shapes."""
-    observation, field, first = prepared.observation, prepared.field, prepared.first
+    observation, field, first = prepared.held, prepared.field, prepared.first
     options = prepared.options
     method, model = options.method, options.model
     seen, among = observation, field

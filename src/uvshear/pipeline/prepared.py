@@ -6,6 +6,7 @@ from typing import Self
 from uvshear.extraction import Field, MeasurementOptions
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.first_pass import FirstPass, first_pass
+from uvshear.interferometer.held_observation import HELD_PART, held_by_parts
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue
@@ -21,6 +22,8 @@ class Prepared:
     ----------
     observation
         The observation.
+    held
+        The same observation, whose visibilities stay in memory after the first pass if they fit.
     sources
         The catalogue.
     options
@@ -34,6 +37,7 @@ class Prepared:
     """
 
     observation: Observation
+    held: Observation
     sources: Catalogue
     options: MeasurementOptions
     first: FirstPass
@@ -46,12 +50,13 @@ class Prepared:
     ) -> Self:
         """Read an observation once, and place the sources."""
         model, method, executor = options.model, options.method, options.resources.executor
-        first = first_pass(observation, executor)
+        held = held_by_parts(observation, HELD_PART * options.resources.memory)
+        first = first_pass(held, executor)
         field = field_of_catalogue(sources, observation.phase_centre, first.summary, model, method)
         field = method.extraction.within_reach(field)
         attenuated = method.extraction.models_attenuation
         checks = DataChecks(observation, first.noise_samples, model, attenuated, executor)
-        return cls(observation, sources, options, first, field, checks)
+        return cls(observation, held, sources, options, first, field, checks)
 
     def with_noise_of_data(self, sky: Galaxies, uv_range: UvRange) -> Self:
         """Correct the weights that are to agree with the noise of the data; the same object if nothing is to be done.
