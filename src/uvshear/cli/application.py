@@ -2,6 +2,7 @@
 
 import ctypes
 import errno
+import gc
 import os
 import signal
 import sys
@@ -37,6 +38,10 @@ GRACE: Final = 1.0
 
 WAKE: Final = 0.2
 """Longest time between the arrival of a signal in another thread and its answer [s]."""
+
+OBJECTS_BETWEEN_COLLECTIONS: Final = 10_000
+"""Number of new objects after which Python looks for garbage. With its own number, 700, it would do so hundreds of
+times while libraries are imported."""
 
 _ClickException: Final = typer.BadParameter.__mro__[2]
 """Root of the errors in options; typer carries its own copy of click in some versions."""
@@ -101,6 +106,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     main thread can answer signals while compiled code runs.
     """
     open_closed_descriptors()
+    gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)
     events: SimpleQueue[Outcome | EndRequest] = SimpleQueue()
     with ending_signals(events.put), standard_streams() as output:
         worker = threading.Thread(target=_settle, args=(events.put, arguments, output), daemon=True)
@@ -109,6 +115,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         outcome = event if isinstance(event, Outcome) else _stop(worker, event, events)
         worker.join()
         status = _show(outcome)
+    # At exit the interpreter would look through all objects several times, which takes half a second.
+    gc.freeze()
     sys.exit(status)
 
 

@@ -76,14 +76,12 @@ def fisher_blocks(
     first
         Number of sources whose rows are returned.
     """
-    responses = np.concatenate(
-        [
-            Template(plane.uv, profile, place).responses(fit)
-            for place, fit in zip(places, fits, strict=True)
-        ]
-    )
-    weighted = responses[: first * PARAMETERS] * plane.power.astype(np.float32)
-    blocks = real_product(weighted, responses)
+    responses = np.empty((len(fits), PARAMETERS, len(plane.power)), np.complex64)
+    for place, fit, out in zip(places, fits, responses, strict=True):
+        Template(plane.uv, profile, place).write_responses(fit, out)
+    rows = responses.reshape(-1, len(plane.power))
+    weighted = rows[: first * PARAMETERS] * plane.power.astype(np.float32)
+    blocks = real_product(weighted, rows)
     return blocks.reshape(first, PARAMETERS, len(fits), PARAMETERS)
 
 

@@ -48,15 +48,19 @@ class Template:
 
         For a point source those with respect to e1, e2 and ln alpha are zero.
         """
+        out = np.empty((PARAMETERS, len(self.uv)), np.complex64)
+        self.write_responses(fit, out)
+        return out
+
+    def write_responses(self, fit: GalaxyFit, out: Complex[Array, "6 cell"]) -> None:
+        """Write what :meth:`responses` returns."""
         form = 4 * math.pi**2 * quadratic_form_of(fit.ellipticity, fit.scale_length)
         q = _argument(self.uv, form)
-        out = np.zeros((PARAMETERS, len(q)), np.complex64)
         slope = self.profile.envelope_slope(q) if fit.scale_length > 0 else np.zeros_like(q)
         by_shape = 4 * math.pi**2 * quadratic_form_derivatives(fit.ellipticity, fit.scale_length)
         kernels.respond(
             self.uv, self._phase(fit), self.profile.envelope(q), slope, by_shape, fit.flux, out
         )
-        return out
 
     def _envelope(self, fit: GalaxyFit) -> Float[Array, " cell"]:
         form = 4 * math.pi**2 * quadratic_form_of(fit.ellipticity, fit.scale_length)

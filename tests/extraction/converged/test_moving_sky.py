@@ -26,6 +26,11 @@ def _true_fits(prepared):
     ]
 
 
+def _change(sky):
+    with SERIAL.crew(sky) as crew:
+        return sky.change(crew)
+
+
 def test_residuals_after_a_move_are_those_of_another_major_cycle(prepared):
     sky, fits = MovingSky(prepared.state), _true_fits(prepared)
     change = _moved(sky, [0, 1], fits)
@@ -38,7 +43,18 @@ def test_residuals_after_a_move_are_those_of_another_major_cycle(prepared):
         error = np.linalg.norm(sky.now.residual(k).correlation - expected[k])
         # measured 0.023: the longest baselines, which coarse pixels lose
         assert error < 0.04 * before[k]
-    np.testing.assert_allclose(change, sky.now.change_since(prepared.state.fits), rtol=0.02)
+    np.testing.assert_allclose(change, _change(sky), rtol=0.02)
+
+
+def test_sources_of_a_group_share_the_change_of_their_sum(prepared):
+    state, fits = prepared.state, _true_fits(prepared)
+    grouped = replace(state, neighbourhood=replace(state.neighbourhood, units=[[0, 1]]))
+    alone, together = MovingSky(state), MovingSky(grouped)
+    for sky in (alone, together):
+        _moved(sky, [0, 1], fits)
+    first, second = _change(together)
+    assert first == second
+    assert first < np.hypot(*_change(alone))
 
 
 def test_the_state_that_it_begins_with_stays_as_it_is(prepared):

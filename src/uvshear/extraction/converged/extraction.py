@@ -163,14 +163,14 @@ class ConvergedExtraction(Extraction):
             couplings = state.linearisation if state and len(history) >= COUPLED else None
             state = SkyState.from_major_cycle(cycle, modelled.sources, fits, executor, couplings)
             tolerance = self.tolerance if history else max(self.tolerance, ROUGH)
-            state, moves = run_minor_cycle(
+            minor = run_minor_cycle(
                 state, tolerance, executor, on_fit, afresh=len(history) < AFRESH
             )
+            state = minor.state
             # The first step, from the catalogue, tells nothing of those near the maximum of the likelihood.
             if history:
                 cycles.append(Cycle.from_state(state, modelled.expected))
-            change = state.change_since(state.subtracted, executor)
-            history = history.with_cycle(change, moves)
+            history = history.with_cycle(minor.change, minor.moves)
             if history.is_diverging and baselines.limit > 0:
                 return None
             is_last = history.left_undone < self.tolerance or len(history) >= self.most_major_cycles

@@ -6,7 +6,7 @@ the beam couples whole neighbourhoods, which sequential fits move only slowly. B
 hardly move.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,9 +31,28 @@ Moves = tuple[tuple[float, float], ...]
 """Largest change of a source in each iteration, in the sequential pass and in the joint step [noise]."""
 
 
+@dataclass(frozen=True)
+class MinorCycle:
+    """Results of a minor cycle.
+
+    Parameters
+    ----------
+    state
+        The sky at its end.
+    moves
+        Largest changes in each iteration.
+    change
+        Change of each source, in units of the noise; that of overlapping sources is the change of their sum.
+    """
+
+    state: SkyState
+    moves: Moves
+    change: Float[Array, " source"]
+
+
 def run_minor_cycle(
     state: SkyState, tolerance: float, executor: Executor, on_fit: OnFit, *, afresh: bool
-) -> tuple[SkyState, Moves]:
+) -> MinorCycle:
     """Fit the sources in turn and let them step together, until the changes are below ``tolerance`` of the noise.
 
     Parameters
@@ -70,7 +89,8 @@ def run_minor_cycle(
             if len(restless) == 0:
                 break
             active = state.neighbourhood.around(restless)
-    return replace(sky.now, linearisation=linearisation), tuple(moves)
+        change = sky.change(crew)
+    return MinorCycle(replace(sky.now, linearisation=linearisation), tuple(moves), change)
 
 
 def rms(values: Float[Array, " _"]) -> float:

@@ -21,6 +21,9 @@ SLOTS = 512
 """Largest number of rendered changes that wait to be added to the image; they occupy 254 MB. The number does not depend
 on the number of workers, nor therefore do the fits."""
 
+_UNITS = 16
+"""Number of units of sources whose changes one task computes."""
+
 Find: TypeAlias = "Callable[[SkyState], list[GalaxyFit]]"
 """A picklable function that finds new fits of the sources of a move."""
 
@@ -54,6 +57,7 @@ class MovingSky:
     """
 
     def __init__(self, state: SkyState) -> None:
+        self._before = state.fits
         self._now = replace(state, image=state.image.copy())
         # Zeros that nobody writes take no memory.
         self._rendered = shared_zeros((SLOTS, WINDOW, WINDOW), np.float32)
@@ -94,6 +98,20 @@ class MovingSky:
         now.image.set_flux_changes(np.array(changes))
         crew.tell(MovingSky.adopt, after)
         return change
+
+    def change(self, crew: "SkyCrew") -> Float[Array, " source"]:
+        """Return the change of each source since the beginning, in units of the noise (``SkyState.change_of_unit``)."""
+        units = self._now.neighbourhood.units
+        parts = [units[first : first + _UNITS] for first in range(0, len(units), _UNITS)]
+        change = np.zeros(len(self._now.fits))
+        for part, found in zip(parts, crew.map(MovingSky.changes_of, parts), strict=True):
+            for unit, of_unit in zip(part, found, strict=True):
+                change[unit] = of_unit
+        return change
+
+    def changes_of(self, units: Sequence[list[int]]) -> list[float]:
+        """Return the change of each of some units of sources since the beginning."""
+        return [self._now.change_of_unit(unit, self._before) for unit in units]
 
     def _add_rendered(self, tasks: "Sequence[_Task]", crew: "SkyCrew") -> None:
         """Add the changes to the image: strips of it side by side, and the changes of each strip in their order."""

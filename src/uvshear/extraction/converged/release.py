@@ -37,8 +37,9 @@ def release(
     before = now.fits
     for _ in range(RELEASES):
         before = now.fits
-        now, _ = run_minor_cycle(now, tolerance, executor, on_fit, afresh=False)
-        moves.append(rms(now.change_since(before, executor)))
+        cycle = run_minor_cycle(now, tolerance, executor, on_fit, afresh=False)
+        now = cycle.state
+        moves.append(rms(cycle.change))
     first, second = moves[-2:]
     # Moves that do not shrink tell of no end.
     far = min(second / (first - second), FARTHEST_AHEAD) if second < first else 0.0

@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from uvshear.execution import SERIAL, Executor
+from uvshear.execution import Executor
 from uvshear.extraction.converged.change_image import ChangeImage
 from uvshear.extraction.converged.couplings import Couplings
 from uvshear.extraction.converged.interaction import Interaction, PlacedSource
@@ -21,9 +21,6 @@ from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.normal_equations import NormalEquations
 from uvshear.shapes.template import Template
 from uvshear.typing import Array, Float
-
-_UNITS = 64
-"""Number of units in a task."""
 
 Fits = tuple[GalaxyFit, ...]
 """Fit of each modelled source, with its flux in the unit of the facets."""
@@ -141,23 +138,6 @@ class SkyState:
         offset = self.interaction.plan.offset[source] + fit.offset
         return PlacedSource(fit.flux, tuple(offset), fit.ellipticity, fit.scale_length)
 
-    def change_since(
-        self, before: Sequence[GalaxyFit], executor: Executor = SERIAL
-    ) -> Float[Array, " source"]:
-        """Return the change of each source from its fit in ``before``, in units of the noise.
-
-        The sources of a group get the change of the sum of their models.
-        """
-        units = self.neighbourhood.units
-        parts = [units[first : first + _UNITS] for first in range(0, len(units), _UNITS)]
-        change = np.zeros(len(self.sources))
-        for part, found in zip(
-            parts, executor.distribute(_changes, (self, before), parts), strict=True
-        ):
-            for unit, of_unit in zip(part, found, strict=True):
-                change[unit] = of_unit
-        return change
-
     def change_of_unit(
         self, unit: list[int], before: Mapping[int, GalaxyFit] | Sequence[GalaxyFit]
     ) -> float:
@@ -179,10 +159,3 @@ class SkyState:
         power = self.interaction.beams.power(source, cutout)
         change = model(now, cutout.uv) - model(before, cutout.uv)
         return float(np.sqrt(max(float(np.sum(power * np.abs(change) ** 2)), 0.0)))
-
-
-def _changes(
-    subject: tuple[SkyState, Sequence[GalaxyFit]], units: Sequence[list[int]]
-) -> list[float]:
-    now, before = subject
-    return [now.change_of_unit(unit, before) for unit in units]
