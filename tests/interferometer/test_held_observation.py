@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.skies import L_BAND, random_baselines
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.held_observation import HeldObservation, held_by_parts
+from uvshear.interferometer.held_observation import HeldObservation, held_by_parts, release
 from uvshear.interferometer.joint_observation import JointObservation
 from uvshear.interferometer.origin import Origin, origin_of, parts_of
 from uvshear.interferometer.visibilities import Visibilities
@@ -72,6 +72,15 @@ def test_parts_are_held_one_by_one_and_keep_their_origins():
     assert len(list(held.chunks())) == 6
     assert [part.readings for part in parts] == [1, 1]
     assert [origin_of(part).observation for part in parts_of(held)] == list(parts)
+
+
+def test_what_is_released_is_read_again():
+    parts = Counting(), Counting()
+    held = held_by_parts(JointObservation(parts[0].phase_centre, parts), 1e6)
+    for _ in range(2):
+        assert len(list(held.chunks())) == 6
+        release(held)
+    assert [part.readings for part in parts] == [2, 2]
 
 
 def test_a_single_part_is_held_as_it_is():

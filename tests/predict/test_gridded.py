@@ -1,5 +1,6 @@
 """Visibilities by way of images against the direct sum over galaxies."""
 
+import weakref
 from dataclasses import replace
 from itertools import pairwise
 
@@ -11,7 +12,7 @@ from uvshear.errors import InputError
 from uvshear.execution import SERIAL, Resources, in_threads
 from uvshear.imaging import tiles
 from uvshear.interferometer.samples import Samples
-from uvshear.predict import predict_visibilities
+from uvshear.predict import gridded, predict_visibilities
 from uvshear.predict.gridded import (
     BLOCK,
     BYTES_IN_FLIGHT,
@@ -23,6 +24,7 @@ from uvshear.predict.gridded import (
     predict_samples,
     slabs,
 )
+from uvshear.predict.rendering import render
 
 CHANNELS = np.array([1.05e9, 1.2e9, 1.4e9])
 
@@ -110,3 +112,22 @@ def test_memory_that_does_not_hold_a_block_is_refused():
 
 def test_without_a_limit_all_workers_are_used():
     assert Gridding(executor=in_threads(5)).executor_for(10_000, 10**9).workers == 5
+
+
+def test_the_image_of_a_tile_is_released_after_its_last_use(one_channel, monkeypatch):
+    drawn: list[weakref.ref] = []
+    alive = []
+
+    def watched(*arguments):
+        image = render(*arguments)
+        drawn.append(weakref.ref(image))
+        alive.append(sum(known() is not None for known in drawn))
+        return image
+
+    monkeypatch.setattr(gridded, "render", watched)
+    band, on_sky = one_channel.plan.bands[0], one_channel.plan.tiles[0]
+    samples = Samples.from_visibilities(one_channel.seen, band.shortest, band.longest)
+    predict_samples(samples, on_sky, band, one_channel.modelled(SKY), GRIDDING)
+    assert len(drawn) > 3
+    # One is degridded, and the next is drawn ahead.
+    assert max(alive) == 2

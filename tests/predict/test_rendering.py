@@ -105,6 +105,13 @@ def test_a_point_source_has_faded_at_the_edge_of_the_smallest_stamp(offset):
     assert stamp.sum() == pytest.approx(1.0, abs=1e-5)
 
 
+@pytest.mark.parametrize("origin", [(940, -700), (900, -600), (700, -700), (900, -500)])
+def test_a_galaxy_beyond_its_tile_is_an_error(origin):
+    tile = replace(TILE, origin=origin)
+    with pytest.raises(ValueError, match="reaches beyond its tile"):
+        render(SKY, SKY.flux, HALF, tile, BAND, PROFILES["exponential"])
+
+
 def test_what_a_stamp_leaves_out_of_a_galaxy_falls_with_its_width():
     uv = _baselines(LONGEST)[:, :2]
     first = SKY.select(slice(1))

@@ -40,8 +40,8 @@ WAKE: Final = 0.2
 """Longest time between the arrival of a signal in another thread and its answer [s]."""
 
 OBJECTS_BETWEEN_COLLECTIONS: Final = 10_000
-"""Number of new objects after which Python looks for garbage. With its own number, 700, it would do so hundreds of
-times while libraries are imported."""
+"""Number of new containers after which Python looks for garbage in cycles. With its own number, which is 700 in Python
+3.11, it would do so hundreds of times while libraries are imported."""
 
 _ClickException: Final = typer.BadParameter.__mro__[2]
 """Root of the errors in options; typer carries its own copy of click in some versions."""

@@ -8,7 +8,10 @@ from uvshear.execution.crew import Crew, LocalCrew, Result, Shared, Task
 
 
 class Executor(ABC):
-    """Runs tasks that do not depend on one another.
+    """Runs tasks in parallel.
+
+    A task of :meth:`map` may wait for earlier tasks of the same call (``Promise``). An executor therefore begins them
+    in their order. Tasks of :meth:`distribute` and of crews do not depend on one another.
 
     Results come in the order of the tasks, so that a sum of them is the same, bit for bit, whatever the executor and
     however many workers it has.
@@ -27,8 +30,7 @@ class Executor(ABC):
     def map(self, function: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         """Yield ``function(task)`` for every task; all tasks share the memory of this process.
 
-        Tasks are taken from the iterable as they are begun, so that a generator of large tasks is never held as a
-        whole.
+        Tasks are taken from the iterable a few at a time, so that a generator of large tasks is never held as a whole.
         """
 
     def map_in_batches(

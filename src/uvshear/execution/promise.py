@@ -20,10 +20,11 @@ class Promise(Generic[Value]):
     def keep(self, work_out: Callable[[], Value]) -> None:
         """Work out the value; an error is raised here and in all tasks that wait for the value."""
         try:
-            self._future.set_result(work_out())
+            value = work_out()
         except BaseException as error:
             self._future.set_exception(error)
             raise
+        self._future.set_result(value)
 
     def value(self) -> Value:
         """Return the value, as soon as it is known."""

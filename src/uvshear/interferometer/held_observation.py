@@ -39,6 +39,10 @@ class HeldObservation:
         """Return the origin of the observation that is held."""
         return origin_of(self._observation)
 
+    def release(self) -> None:
+        """Release the visibilities; the next pass reads them again."""
+        self._held = None
+
     def chunks(self) -> Iterator[Visibilities]:
         """Yield the chunks from memory if they are held; otherwise read them, and hold them if all of them fit."""
         if self._held is not None:
@@ -58,10 +62,17 @@ class HeldObservation:
 
 
 def held_by_parts(observation: Observation, memory: float) -> Observation:
-    """Return an observation each of whose parts stays in memory; all have the same share of it."""
+    """Return an observation each of whose parts stays in memory if it fits into its share; all shares are equal."""
     parts = parts_of(observation)
     held = tuple(HeldObservation(part, memory / len(parts)) for part in parts)
     return held[0] if len(held) == 1 else JointObservation(observation.phase_centre, held)
+
+
+def release(observation: Observation) -> None:
+    """Release the visibilities of the parts that stay in memory; another pass reads them again."""
+    for part in parts_of(observation):
+        if isinstance(part, HeldObservation):
+            part.release()
 
 
 def _bytes_of(chunk: Visibilities) -> int:

@@ -6,7 +6,7 @@ from typing import Self
 from uvshear.extraction import Field, MeasurementOptions
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.first_pass import FirstPass, first_pass
-from uvshear.interferometer.held_observation import HELD_PART, held_by_parts
+from uvshear.interferometer.held_observation import HELD_PART, held_by_parts, release
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue
@@ -23,7 +23,7 @@ class Prepared:
     observation
         The observation.
     held
-        The same observation, whose visibilities stay in memory after the first pass if they fit.
+        The same observation; the visibilities of each part stay in memory after the first pass if they fit.
     sources
         The catalogue.
     options
@@ -73,4 +73,5 @@ class Prepared:
         corrected = self.checks.with_noise_of_data(sky, uv_range)
         if corrected is None:
             return self
+        release(self.held)
         return self.from_observation(corrected, self.sources, self.options)

@@ -111,7 +111,7 @@ def predict_by_grid(
         if len(octave.summed)
         for rows in _slabs(octave.rows, direct.SLAB)
     ]
-    # A drawing holds Python's lock for much of its time, and a sum hardly does: two drawings would wait for each other.
+    # Drawings move much memory, and sums hardly any: two drawings would wait for each other.
     tasks = _mixed(drawings, summations)
     images = [found for found in executor.map(_run, tasks) if found is not None]
 

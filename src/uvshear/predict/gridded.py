@@ -37,15 +37,15 @@ with 2^21, and 6 times with 2^18."""
 BYTES_PER_SAMPLE = 160
 """Memory for each sample of a block: the sample in the blocks of two accumulators, and its model."""
 
-BYTES_IN_FLIGHT = 104
+BYTES_IN_FLIGHT = 96
 """Memory for each sample of a slab while it is gridded: its baseline as seen from a tile, the gridder's index, and the
-visibilities of three slabs that wait to be added."""
+visibilities of two slabs that wait to be added."""
 
 SAMPLE_OVER_PIXEL = 3.0
 """Time that a sample takes over that of a pixel, when an image is degridded."""
 
-BYTES_PER_PIXEL = 60
-"""Memory for each pixel that is processed: the pixel, and the oversampled plane of the gridder."""
+BYTES_PER_PIXEL = 68
+"""Memory for each pixel that is processed: the pixel, the gridder's oversampled plane, and two images that wait."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,7 @@ def predict_samples(
 def predict_bands(
     bands: Sequence[PredictedBand], sky: ModelledSky, gridding: Gridding
 ) -> list[Complex[Array, " _"]]:
-    """Predict the visibilities of the sky for samples of several bands [Jy]; tiles of all bands are drawn together."""
+    """Predict the visibilities of the sky for samples of several bands [Jy]; all tiles are in one round of tasks."""
     models = [np.zeros(len(each.samples), np.complex64) for each in bands]
     response = sky.response
     parts = [
@@ -159,9 +159,9 @@ def predict_bands(
         for part in _parts(number, _padded(tile, sky, bands[number].band), sky, bands[number].band)
     ]
 
-    def draw(part: _Part) -> None:
+    def draw(part: _Part, image: _Image) -> None:
         members = part.tile.members
-        part.image.keep(
+        image.keep(
             lambda: render(
                 sky.galaxies.select(members),
                 part.flux,
@@ -172,17 +172,20 @@ def predict_bands(
             )
         )
 
-    def predict(part: _Part, rows: slice) -> _Predicted:
+    def predict(part: _Part, image: _Image, rows: slice) -> _Predicted:
         samples, pixel = bands[part.number].samples, bands[part.number].band.pixel
         plane = TangentPlane.at(samples.uvw[rows], *part.tile.centre(pixel))
-        vis = plane.visibilities(part.image.value(), pixel, gridding.epsilon)
+        vis = plane.visibilities(image.value(), pixel, gridding.epsilon)
         factor = response.source_factor(samples.select(rows), *part.seen_as)
         return part.number, rows, vis * factor
 
-    def predictions(part: _Part) -> list[Callable[[], _Predicted]]:
-        return [partial(predict, part, rows) for rows in slabs(len(bands[part.number].samples))]
+    def tasks_of(part: _Part) -> tuple[Callable[[], None], list[Callable[[], _Predicted]]]:
+        # Only the tasks know the image, so that it is released after the last of them.
+        image = _Image()
+        rows = slabs(len(bands[part.number].samples))
+        return partial(draw, part, image), [partial(predict, part, image, each) for each in rows]
 
-    tasks = one_ahead((partial(draw, part), predictions(part)) for part in parts)
+    tasks = one_ahead(map(tasks_of, parts))
     widest = max((part.tile.size for part in parts), default=1)
     most = max((len(each.samples) for each in bands), default=0)
     for predicted in gridding.executor_for(widest, most).map(_run, tasks):
@@ -198,6 +201,9 @@ def predict_bands(
     return models
 
 
+_Image: TypeAlias = Promise[Float[Array, "l m"]]
+"""Image of a tile, which one task draws and others degrid."""
+
 _Predicted: TypeAlias = tuple[int, slice, Complex[Array, " slab"]]
 """Number of a band, some of its samples, and what a tile adds to their visibilities [Jy]."""
 
@@ -209,7 +215,10 @@ def _run(task: Callable[[], _Predicted | None]) -> _Predicted | None:
 def one_ahead(
     parts: Iterable[tuple[Callable[[], None], Sequence[Callable[[], Value]]]],
 ) -> Iterator[Callable[[], Value | None]]:
-    """Yield the tasks of each part, the first of which prepares the others, one part ahead of these."""
+    """Yield the tasks of all parts, each of which has a first task that prepares its others.
+
+    The first task comes before the others of the previous part, so that these run meanwhile.
+    """
     ready: Sequence[Callable[[], Value]] = ()
     for prepare, others in parts:
         yield prepare
@@ -239,7 +248,6 @@ class _Part:
     tile: Tile
     flux: Float[Array, " member"]
     seen_as: SeenAs
-    image: Promise[Float[Array, "l m"]] = field(default_factory=Promise, compare=False)
 
 
 def _parts(number: int, tile: Tile, sky: ModelledSky, band: Band) -> list[_Part]:

@@ -27,7 +27,7 @@ SKA-Mid. A galaxy with a scale length of 25 arcsec has 0.2 per cent of its flux 
 
 PIXELS_AT_A_TIME = 2**15
 """Number of pixels of the stamps that are transformed together; they and their transforms fit into the level-2 cache.
-Stamps of one at a time would mostly be the work of the interpreter."""
+If stamps were drawn one by one, the interpreter would take most of the time."""
 
 STEEPNESS = 9.0
 """Shape parameter of the Kaiser window whose integral is the taper."""
@@ -102,6 +102,9 @@ def draw(stamps: Stamps, tile: Tile, band: Band, profile: Profile) -> Float[Arra
     nearest = np.rint(stamps.place / band.pixel).astype(int)
     offset = stamps.place - nearest * band.pixel
     corner = nearest - np.array(tile.origin) - sizes[:, None] // 2
+    # Compiled code would write beyond the image.
+    if len(corner) and (corner.min() < 0 or (corner + sizes[:, None]).max() > tile.size):
+        raise ValueError("a stamp reaches beyond its tile")
     flux = stamps.flux.astype(np.float32)
     for size in np.unique(sizes).tolist():
         alike = np.flatnonzero(sizes == size)

@@ -3,7 +3,8 @@ r"""Templates of a family represented by a few of the cells, for likelihoods ove
 The templates T of all ellipticities and sizes about one centre are nearly of low rank: their values on some cells p
 determine those on all others, T(k) = sum_p T(k_p) X_pk. This is an interpolative decomposition, found by a pivoted QR
 of random combinations of templates (Halko, Martinsson & Tropp 2011, SIAM Rev. 53, 217, sect. 3.2.3 and 5.2). The cells
-p are sought among a fifth of the cells; the coefficients X of all cells are a least-squares solution. For any data d
+p are sought among all cells near the origin and some of the others (``_candidates``); the coefficients X follow by
+least squares. For any data d
 
 .. math:: \sum_k d_k T(k) = \sum_p T(k_p) \Big(\sum_k X_{pk} d_k\Big)
 
@@ -42,7 +43,7 @@ _TEMPLATES, _COMBINATIONS = 1024, 400
 """Templates drawn from the family, and random combinations of these in the pivoted QR."""
 
 MOST_CELLS = 20_000
-"""Largest number of cells of a facet that is decomposed, which takes 0.3 GB then. The facet of a galaxy of usual size
+"""Largest number of cells of a facet that is decomposed, which takes 0.1 GB then. The facet of a galaxy of usual size
 has 7000; wider facets are those of bright galaxies, whose likelihoods are mostly computed without a decomposition."""
 
 _MEMORY = 0.25e9
@@ -82,10 +83,12 @@ class _Skeleton:
     cells
         The chosen cells.
     triangle
-        Triangle R of the QR decomposition Q R of the random combinations on these cells, times the root of the weights.
+        Triangle R of the decomposition Q R of the combinations on the chosen cells, each cell times the root of its
+        weight.
     mixing
-        The transpose of Q times the random combinations: R times the coefficients of a cell is this matrix times the
-        values of all functions on the cell.
+        The transpose of Q times the random numbers of the combinations. R X' is this matrix times the values of all
+        functions on a cell, times the root of the cell's weight; X' are the coefficients times this root, over the
+        roots of the chosen cells.
     root
         Root of the weights of the chosen cells.
     """

@@ -26,7 +26,7 @@ SAMPLES_PER_SLAB: Final = 2**18
 """Number of visibilities whose noise comes from one stream of random numbers."""
 
 SLABS_PER_BLOCK: Final = 4
-"""Number of slabs in a block: 1 million visibilities, 25 MB with their noise."""
+"""Number of slabs in a block: 1 million visibilities, 25 MB with their standard deviations."""
 
 BLOCKS_PER_PREDICTION: Final = 16
 """Number of blocks that are predicted together, because galaxies are drawn anew for every prediction."""
@@ -127,7 +127,7 @@ class SimulatedObservation:
         return max(1, SAMPLES_PER_SLAB // len(self.channels))
 
     def blocks(self, executor: Executor = SERIAL) -> Iterator[CorrelationBlock]:
-        """Simulate the correlations, a block of rows at a time; the next blocks are made while one is used."""
+        """Simulate the correlations, a block of rows at a time; workers make the next blocks while one is used."""
         rows_per_block = SLABS_PER_BLOCK * self.rows_per_slab
         together = BLOCKS_PER_PREDICTION * rows_per_block
         for start in range(0, len(self.coverage), together):

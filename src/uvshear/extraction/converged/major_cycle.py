@@ -183,7 +183,10 @@ def _parts(
 def _weighted_residuals(
     views: Sequence[BandView], sky: ModelledSky, gridding: Gridding
 ) -> WeightedResiduals:
-    """Subtract the models; apply the weights and the common spectrum, the part of the matched filter that all share."""
+    """Subtract the models, and multiply by the weights and the common spectrum.
+
+    The common spectrum is the part of the matched filter that all sources share.
+    """
     models = predict_bands(
         [PredictedBand(view.samples, view.tiles, view.band) for view in views], sky, gridding
     )

@@ -44,7 +44,7 @@ class WeightedResiduals:
     Parameters
     ----------
     views
-        Bands from the coarsest to that of which facets are cut.
+        Bands from the coarsest to the finest that is used, out of which facets are cut.
     weighted
         Residual times weight times the common spectrum for each sample of each band [1/Jy].
     response
@@ -65,7 +65,7 @@ def add_to_facets(
     facets: Sequence[Complex[Array, " _"]],
     gridding: Gridding,
 ) -> Iterator[float]:
-    """Image the residuals and add the cutout of each source to its facet.
+    """Image the residuals and add the cutout of each source to its facet, while results are taken.
 
     Yields
     ------
@@ -139,8 +139,8 @@ class _ImagedTile:
         return len(self.filters.seen_as) * len(self._rows)
 
     def image(self, part: int) -> None:
-        """Image one part."""
-        self._parts[part].keep(lambda: self._image(part))
+        """Image one part, and add it to the previous slab of its filter."""
+        self._parts[part].keep(lambda: self._summed(part))
 
     def images(self) -> Images:
         """Return the images with those of the coarser bands, when all parts have been imaged.
@@ -157,6 +157,14 @@ class _ImagedTile:
         """Discard the images."""
         self._images = []
 
+    def _summed(self, part: int) -> Float[Array, "l m"]:
+        image = self._image(part)
+        if part % len(self._rows) == 0:
+            return image
+        total = self._parts[part - 1].value()
+        total += image
+        return total
+
     def _image(self, part: int) -> Float[Array, "l m"]:
         of_filter, slab = divmod(part, len(self._rows))
         rows, pixel = self._rows[slab], self.view.band.pixel
@@ -167,14 +175,9 @@ class _ImagedTile:
         return plane.image(filtered, self.tile.size, pixel, self._residuals.epsilon)
 
     def _complete(self) -> Images:
-        """Add up the slabs of each filter, and add the images of the coarser bands, interpolated."""
-        slabs_of_filter = len(self._rows)
-        images = []
-        for first in range(0, len(self), slabs_of_filter):
-            total = self._parts[first].value()
-            for part in self._parts[first + 1 : first + slabs_of_filter]:
-                total += part.value()
-            images.append(total)
+        """Return the image of each filter, with the images of the coarser bands, interpolated."""
+        count = len(self._rows)
+        images = [part.value() for part in self._parts[count - 1 :: count]]
         if self._parent is not None:
             self._parent.add_to(self, images)
         return images

@@ -20,8 +20,8 @@ several sources takes another 0.4 GB at most."""
 
 MOST_IN_A_PART = 100
 """Largest number of galaxies in a task. A decomposition of the likelihood takes as long as the statistics of 20
-galaxies; with smaller parts, more workers would compute the same decomposition. In small fields parts are smaller,
-because some workers would have nothing to do. The statistics do not depend on the parts."""
+galaxies; with smaller parts, more workers would compute the same decomposition. In small fields parts are smaller;
+otherwise some workers would have nothing to do. The statistics do not depend on the parts."""
 
 
 def keep_statistics(

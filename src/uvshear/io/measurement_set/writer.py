@@ -86,7 +86,7 @@ def write_measurement_set(
     overwrite
         Whether a Measurement Set that exists is replaced.
     executor
-        Executor of the prediction.
+        Executor of the prediction, and of the blocks with their noise.
     hands
         Kind of feed.
     progress
