@@ -73,14 +73,13 @@ class _Ramp(Attenuation):
 
 
 @pytest.mark.parametrize(("dtype", "allowed"), [(np.float64, 1e-14), (np.float32, 1e-6)])
-def test_prepared_attenuations_multiply_the_same_factors_for_one_source_after_another(
-    dtype, allowed
-):
+def test_prepared_attenuations_multiply_the_same_factors_for_several_sources(dtype, allowed):
     whole = CombinedAttenuation((BandwidthSmearing(), _Ramp(), TimeSmearing(DECLINATION)))
     prepared = whole.over(samples())
-    for l, m in ((L, M), (0.0, 0.0), (-2 * L, M)):
-        factor = np.full(PAIRS, 3.0, dtype)
-        prepared.multiply(factor, l, m)
-        expected = np.prod([part.factor(samples(), l, m) for part in whole.parts], axis=0)
-        assert factor.dtype == dtype
+    l, m = np.array([L, 0.0, -2 * L]), np.array([M, 0.0, M])
+    factors = np.full((3, PAIRS), 3.0, dtype)
+    prepared.multiply(factors, l, m)
+    assert factors.dtype == dtype
+    for factor, *place in zip(factors, l.tolist(), m.tolist(), strict=True):
+        expected = np.prod([part.factor(samples(), *place) for part in whole.parts], axis=0)
         np.testing.assert_allclose(factor, 3 * expected, rtol=0, atol=allowed)

@@ -6,7 +6,7 @@ import pytest
 from uvshear.interferometer import kernels
 
 UVW = np.random.default_rng(6).uniform(-3e4, 3e4, (3, 400))
-DIRECTION = (1e-3, -2e-3, 1e-6)
+DIRECTIONS = np.array([[1e-3, -2e-3, 1e-6], [-2e-3, 1e-3, -3e-6]])
 
 
 @pytest.mark.parametrize(
@@ -18,14 +18,15 @@ DIRECTION = (1e-3, -2e-3, 1e-6)
 )
 @pytest.mark.parametrize("scale", [0.0, 1e-9, 1e-3, 0.03, 1.0])
 def test_averages_over_phases_are_those_of_numpy(kernel, dtype, allowed, scale):
-    factor = np.full(400, 0.5, dtype)
-    kernel(UVW, DIRECTION, np.full(400, scale), factor)
-    expected = 0.5 * np.sinc(scale * (DIRECTION @ UVW))
+    factors = np.full((2, 400), 0.5, dtype)
+    kernel(UVW, DIRECTIONS, np.full(400, scale), factors)
+    expected = 0.5 * np.sinc(scale * (DIRECTIONS @ UVW))
     assert scale < 0.03 or expected.min() < 0
-    np.testing.assert_allclose(factor, expected, rtol=0, atol=allowed)
+    np.testing.assert_allclose(factors, expected, rtol=0, atol=allowed)
 
 
 def test_entries_of_a_table_are_multiplied():
-    factor = np.array([1.0, 2.0, 3.0])
-    kernels.multiply_by_entries(np.array([0.5, 2.0]), np.array([1, 0, 1], np.int32), factor)
-    np.testing.assert_array_equal(factor, [2.0, 1.0, 6.0])
+    factors = np.array([[1.0, 2.0, 3.0], [1.0, 1.0, 1.0]])
+    tables = np.array([[0.5, 2.0], [3.0, 4.0]])
+    kernels.multiply_by_entries(tables, np.array([1, 0, 1], np.int32), factors)
+    np.testing.assert_array_equal(factors, [[2.0, 1.0, 6.0], [4.0, 3.0, 4.0]])

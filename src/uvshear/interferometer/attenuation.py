@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from uvshear.geometry.directions import n_minus_one_at
+from uvshear.geometry.directions import n_minus_one
 from uvshear.interferometer.coverage import EARTH_ROTATION
 from uvshear.interferometer.kernels import multiply_by_sinc, multiply_by_sinc_single
 from uvshear.interferometer.samples import Samples
@@ -25,13 +25,18 @@ from uvshear.typing import Array, Float
 
 
 class AttenuatedSamples(ABC):
-    """Attenuation of the same samples for one source after another."""
+    """Attenuation of the same samples for some sources after others."""
 
     @abstractmethod
-    def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
-        """Multiply ``factor`` in place by the attenuation of a point source at these direction cosines.
+    def multiply(
+        self,
+        factors: Float[Array, "source sample"],
+        l: Float[Array, " source"],
+        m: Float[Array, " source"],
+    ) -> None:
+        """Multiply each row of ``factors`` in place by the attenuation of a point source at these direction cosines.
 
-        If ``factor`` is in single precision, an error of 3e-7 is allowed.
+        If ``factors`` are in single precision, an error of 3e-7 is allowed.
         """
 
 
@@ -54,8 +59,14 @@ class _OneByOne(AttenuatedSamples):
     attenuation: Attenuation
     samples: Samples
 
-    def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
-        factor *= self.attenuation.factor(self.samples, l, m)
+    def multiply(
+        self,
+        factors: Float[Array, "source sample"],
+        l: Float[Array, " source"],
+        m: Float[Array, " source"],
+    ) -> None:
+        for factor, *place in zip(factors, l.tolist(), m.tolist(), strict=True):
+            factor[:] *= self.attenuation.factor(self.samples, *place)
 
 
 class PreparedAttenuation(Attenuation):
@@ -63,9 +74,9 @@ class PreparedAttenuation(Attenuation):
 
     def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
         """Factor of each sample for a point source at these direction cosines."""
-        factor = np.ones(len(samples))
-        self.over(samples).multiply(factor, l, m)
-        return factor
+        factors = np.ones((1, len(samples)))
+        self.over(samples).multiply(factors, np.array([l]), np.array([m]))
+        return factors[0]
 
     @abstractmethod
     def over(self, samples: Samples) -> AttenuatedSamples:
@@ -109,11 +120,18 @@ class _Averaged(AttenuatedSamples):
     scale: Float[Array, " sample"]
     rotation: Float[Array, "3 3"]
 
-    def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
-        n1 = n_minus_one_at(l, m)
-        direction = tuple((np.array([l, m, n1]) @ self.rotation).tolist())
-        kernel = multiply_by_sinc_single if factor.dtype == np.float32 else multiply_by_sinc
-        kernel(self.uvw, direction, self.scale, factor)
+    def multiply(
+        self,
+        factors: Float[Array, "source sample"],
+        l: Float[Array, " source"],
+        m: Float[Array, " source"],
+    ) -> None:
+        with np.errstate(invalid="ignore"):  # beyond the horizon
+            directions = np.stack([l, m, n_minus_one(l, m)], axis=-1)
+        # A matrix product could depend on the number of sources in its last bits.
+        directions = np.sum(directions[:, :, None] * self.rotation, axis=1)
+        kernel = multiply_by_sinc_single if factors.dtype == np.float32 else multiply_by_sinc
+        kernel(self.uvw, directions, self.scale, factors)
 
 
 @dataclass(frozen=True)
@@ -131,9 +149,14 @@ class CombinedAttenuation(PreparedAttenuation):
 class _Product(AttenuatedSamples):
     parts: Sequence[AttenuatedSamples]
 
-    def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
+    def multiply(
+        self,
+        factors: Float[Array, "source sample"],
+        l: Float[Array, " source"],
+        m: Float[Array, " source"],
+    ) -> None:
         for part in self.parts:
-            part.multiply(factor, l, m)
+            part.multiply(factors, l, m)
 
 
 def total_attenuation(

@@ -13,7 +13,7 @@ from scipy.special import j1
 
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.errors import InputError
-from uvshear.geometry.directions import n_minus_one_at
+from uvshear.geometry.directions import n_minus_one, n_minus_one_at
 from uvshear.interferometer.attenuation import AttenuatedSamples, PreparedAttenuation
 from uvshear.interferometer.kernels import multiply_by_entries
 from uvshear.interferometer.samples import Samples
@@ -71,11 +71,15 @@ class PrimaryBeam(PreparedAttenuation):
             pair = (first * len(widths) + second).astype(np.int32)
         return _Dishes(self, widths, pair, samples.frequency)
 
-    def distance(self, l: float, m: float) -> float:
-        """Distance of a direction from the dishes' axis [rad]."""
+    def distance(
+        self, l: Float[Array, " source"], m: Float[Array, " source"]
+    ) -> Float[Array, " source"]:
+        """Distance of directions from the dishes' axis [rad]."""
         l0, m0 = self.pointing
-        n, n0 = n_minus_one_at(l, m), n_minus_one_at(l0, m0)
-        return 2 * math.asin(min(math.dist((l, m, n), (l0, m0, n0)) / 2, 1.0))
+        with np.errstate(invalid="ignore"):  # beyond the horizon
+            n = n_minus_one(l, m)
+        square = (l - l0) ** 2 + (m - m0) ** 2 + (n - n_minus_one_at(l0, m0)) ** 2
+        return 2 * np.arcsin(np.minimum(np.sqrt(square) / 2, 1.0))
 
     def _check_antennas(self, samples: Samples) -> None:
         known, seen = len(self.width), samples.antennas
@@ -111,19 +115,25 @@ class _Dishes(AttenuatedSamples):
         # The samples of one channel share a few values.
         self._is_one_channel = len(frequency) > 0 and frequency.min() == frequency.max()
 
-    def multiply(self, factor: Float[Array, " sample"], l: float, m: float) -> None:
-        distance, voltage, widths = self._beam.distance(l, m), self._beam.voltage, self._widths
+    def multiply(
+        self,
+        factors: Float[Array, "source sample"],
+        l: Float[Array, " source"],
+        m: Float[Array, " source"],
+    ) -> None:
+        voltage, widths = self._beam.voltage, self._widths
+        distance = self._beam.distance(l, m)[:, None]
         if self._is_one_channel:
             of_kind = voltage(distance * self._frequency[0] / widths)
-            table = np.outer(of_kind, of_kind).ravel()
-            multiply_by_entries(table.astype(factor.dtype), self._pair, factor)
+            tables = (of_kind[:, :, None] * of_kind[:, None, :]).reshape(len(factors), -1)
+            multiply_by_entries(tables.astype(factors.dtype), self._pair, factors)
             return
-        scaled = distance * self._frequency
-        if len(widths) == 1:
-            factor *= voltage(scaled / widths[0]) ** 2
-            return
-        for number in np.divmod(self._pair, len(widths)):
-            factor *= voltage(scaled / widths[number])
+        for factor, scaled in zip(factors, distance * self._frequency, strict=True):
+            if len(widths) == 1:
+                factor[:] *= voltage(scaled / widths[0]) ** 2
+                continue
+            for number in np.divmod(self._pair, len(widths)):
+                factor[:] *= voltage(scaled / widths[number])
 
 
 @dataclass(frozen=True)

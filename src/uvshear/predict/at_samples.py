@@ -36,10 +36,12 @@ def predict_at_samples(
         powers = {index: ratio**index for index in set(galaxies.spectral_index.tolist())}
         attenuated = None if attenuation is None else attenuation.over(part)
 
-        def multiply(source: int, factor: Float[Array, " slab"]) -> None:
-            factor *= powers[float(galaxies.spectral_index[source])]
+        def multiply(sources: slice, factors: Float[Array, "source slab"]) -> None:
+            indices = galaxies.spectral_index[sources].tolist()
+            for factor, index in zip(factors, indices, strict=True):
+                factor[:] *= powers[index]
             if attenuated is not None:
-                attenuated.multiply(factor, float(galaxies.l[source]), float(galaxies.m[source]))
+                attenuated.multiply(factors, galaxies.l[sources], galaxies.m[sources])
 
         return sum_of_sources(galaxies, part.uvw, profile, multiply)
 

@@ -7,6 +7,7 @@ rounding.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -75,17 +76,17 @@ def predict_visibilities(
     vis = np.empty((len(uvw), len(frequency)), complex)
     sky = _Sky(galaxies, frequency)
 
-    def fill(start: int) -> None:
+    def fill(task: tuple[int, int]) -> None:
+        start, chan = task
         rows = slice(start, start + SLAB)
         block = np.ascontiguousarray(uvw[rows].T, float)
-        for chan in range(len(frequency)):
-            factor: _Factor | None = None
-            if losses is not None:
-                samples = losses.samples(uvw, frequency, rows, chan)
-                factor = _Attenuated(losses.attenuation.over(samples), galaxies)
-            vis[rows, chan] = _predict_slab(sky, block, chan, profile, factor, dtype)
+        factor: _Factor | None = None
+        if losses is not None:
+            samples = losses.samples(uvw, frequency, rows, chan)
+            factor = _Attenuated(losses.attenuation.over(samples), galaxies)
+        vis[rows, chan] = _predict_slab(sky, block, chan, profile, factor, dtype)
 
-    for _ in executor.map(fill, range(0, len(uvw), SLAB)):
+    for _ in executor.map(fill, product(range(0, len(uvw), SLAB), range(len(frequency)))):
         pass
     return vis
 
@@ -105,8 +106,8 @@ def precision_within(error: float, flux: Float[Array, " source"]) -> type[np.flo
     return np.float32 if rounding < error / 3 else np.float64
 
 
-_Factor = Callable[[int, Float[Array, " row"]], None]
-"""Function that multiplies an array by the factor of a source, given its index, at each sample."""
+_Factor = Callable[[slice, Float[Array, "source row"]], None]
+"""Function that multiplies the rows of an array by the factors of sources, given their indices, at each sample."""
 
 
 @dataclass(frozen=True)
@@ -114,10 +115,8 @@ class _Attenuated:
     attenuated: AttenuatedSamples
     galaxies: Galaxies
 
-    def __call__(self, source: int, factor: Float[Array, " row"]) -> None:
-        self.attenuated.multiply(
-            factor, float(self.galaxies.l[source]), float(self.galaxies.m[source])
-        )
+    def __call__(self, sources: slice, factors: Float[Array, "source row"]) -> None:
+        self.attenuated.multiply(factors, self.galaxies.l[sources], self.galaxies.m[sources])
 
 
 class _Sky:
@@ -145,8 +144,8 @@ def sum_of_sources(
     Parameters
     ----------
     factor
-        Function that multiplies an array by the factor of a source, given its index, at each sample: its spectrum, and
-        attenuation if there is any.
+        Function that multiplies the rows of an array by the factors of sources, given their indices, at each sample:
+        their spectra, and attenuation if there is any.
     """
     flat = replace(galaxies, spectral_index=np.zeros(len(galaxies)))
     sky = _Sky(flat, np.array([SPEED_OF_LIGHT]))
@@ -174,8 +173,7 @@ def _predict_slab(
         amplitude = profile.envelope(q)
         if factor is not None:
             amplitude = np.array(amplitude)
-            for source, row in enumerate(amplitude, first):
-                factor(source, row)
+            factor(batch, amplitude)
         flux = sky.flux[batch, chan]
         add_sources(uvw, per_metre, sky.lmn1[batch], flux, amplitude, real, imaginary)
     return real + 1j * imaginary
