@@ -17,6 +17,7 @@ from uvshear.execution.promise import Promise
 from uvshear.execution.resources import Resources
 from uvshear.execution.serial import Serial
 from uvshear.execution.threads import Threads
+from uvshear.execution.used_value import UsedValue
 
 SERIAL = Serial()
 """The default executor: one task after the other."""
@@ -32,6 +33,7 @@ __all__ = [
     "Resources",
     "Serial",
     "Threads",
+    "UsedValue",
     "available_cores",
     "copy_process",
     "end_copies",

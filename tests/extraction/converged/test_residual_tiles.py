@@ -74,4 +74,4 @@ def test_images_are_discarded_when_they_are_no_longer_needed(field, monkeypatch)
     assert all(images for images in seen)
     for of_band in tiles:
         for tile in of_band:
-            assert tile.images() == []
+            assert not tile.images.is_held

@@ -8,9 +8,8 @@ workers do not wait for one another at the end of each band.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
-from threading import Lock
 
-from uvshear.execution import Promise
+from uvshear.execution import Promise, UsedValue
 from uvshear.extraction.converged.plan import MajorCyclePlan
 from uvshear.extraction.converged.tile_filters import TileFilters
 from uvshear.extraction.converged.tile_sizes import work_of
@@ -81,8 +80,8 @@ def add_to_facets(
         each, part = task
         each.image(part)
         if each.is_top and part == len(each) - 1:
-            _cut(each.images(), each.tile, each.filters, plan, facets)
-            each.forget()
+            with each.images.used() as images:
+                _cut(images, each.tile, each.filters, plan, facets)
 
     done = gridding.executor_for(widest, most).map(work, tasks)
     for each in chain.from_iterable(tiles):
@@ -130,10 +129,13 @@ class _ImagedTile:
         self._residuals, self._weighted = residuals, residuals.weighted[number]
         self._rows = slabs(len(self.view.samples))
         self._parts = [Promise[Float[Array, "l m"]]() for _ in range(len(self))]
-        self._lock, self._images = Lock(), Images()
-        self._parent, self._children = parent, 0
+        # They are completed when they are first needed, by which time the parts of coarser bands are mostly done.
+        self.images: UsedValue[Images] = UsedValue(self._complete)
+        self._parent = parent
+        if self.is_top:
+            self.images.announce_use()
         if parent is not None:
-            parent._children += 1
+            parent.images.announce_use()
 
     def __len__(self) -> int:
         return len(self.filters.seen_as) * len(self._rows)
@@ -141,21 +143,6 @@ class _ImagedTile:
     def image(self, part: int) -> None:
         """Image one part, and add it to the previous slab of its filter."""
         self._parts[part].keep(lambda: self._summed(part))
-
-    def images(self) -> Images:
-        """Return the images with those of the coarser bands, when all parts have been imaged.
-
-        They are completed when they are first needed, by which time the parts of the coarser bands are mostly done.
-        """
-        with self._lock:
-            if self._parts:
-                self._images = self._complete()
-                self._parts.clear()
-            return self._images
-
-    def forget(self) -> None:
-        """Discard the images."""
-        self._images = []
 
     def _summed(self, part: int) -> Float[Array, "l m"]:
         image = self._image(part)
@@ -178,21 +165,16 @@ class _ImagedTile:
         """Return the image of each filter, with the images of the coarser bands, interpolated."""
         count = len(self._rows)
         images = [part.value() for part in self._parts[count - 1 :: count]]
+        self._parts.clear()
         if self._parent is not None:
-            self._parent.add_to(self, images)
+            self._add_coarser(images, self._parent)
         return images
 
-    def add_to(self, finer: "_ImagedTile", images: Images) -> None:
-        """Add the images of this tile to those of a tile of the next finer band; discard them after the last tile."""
-        own = self.images()
-        (i, j), (k, l) = finer.tile.origin, self.tile.origin
-        for source, image in zip(finer.filters.chosen.tolist(), images, strict=True):
-            mixed = self.filters.mixed(own, source)
-            add_refined(image, mixed, (i - 2 * k, j - 2 * l))
-        with self._lock:
-            self._children -= 1
-            if self._children == 0:
-                self.forget()
+    def _add_coarser(self, images: Images, parent: "_ImagedTile") -> None:
+        (i, j), (k, l) = self.tile.origin, parent.tile.origin
+        with parent.images.used() as coarser:
+            for source, image in zip(self.filters.chosen.tolist(), images, strict=True):
+                add_refined(image, parent.filters.mixed(coarser, source), (i - 2 * k, j - 2 * l))
 
 
 def _cut(
