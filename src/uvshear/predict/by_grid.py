@@ -111,7 +111,7 @@ def predict_by_grid(
         if len(octave.summed)
         for rows in _slabs(octave.rows, direct.SLAB)
     ]
-    # Drawings move much memory, and sums hardly any: two drawings would wait for each other.
+    # While one worker draws, others sum: drawings need memory bandwidth, and sums need arithmetic.
     tasks = _mixed(drawings, summations)
     images = [found for found in executor.map(_run, tasks) if found is not None]
 
