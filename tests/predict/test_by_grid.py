@@ -1,7 +1,6 @@
 """Visibilities by images of octaves of baselines, against the exact sum over galaxies."""
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -144,18 +143,6 @@ def test_rows_without_a_baseline_have_the_total_flux():
     sky = replace(sky, reference_frequency=float(CHANNELS[0]))
     got = predict_by_grid(sky, np.zeros((3, 3)), CHANNELS[:1], 1e-9)
     np.testing.assert_allclose(got, sky.flux.sum(), atol=1e-9)
-
-
-def test_drawings_are_spread_among_sums():
-    def mixed(few, many):
-        tasks = {letter: partial(str, letter) for letter in few + many}
-        spread = by_grid._mixed([tasks[x] for x in few], [tasks[x] for x in many])
-        return "".join(task.args[0] for task in spread)
-
-    assert mixed("ab", "123456") == "a123b456"
-    assert mixed("abc", "1234567") == "a12b34c567"
-    assert mixed("abc", "1") == "abc1"
-    assert mixed("", "12") == "12"
 
 
 def test_the_baselines_that_represent_an_octave_have_all_channels(monkeypatch):

@@ -111,8 +111,7 @@ def predict_by_grid(
         if len(octave.summed)
         for rows in _slabs(octave.rows, direct.SLAB)
     ]
-    # While one worker draws, others sum: drawings need memory bandwidth, and sums need arithmetic.
-    tasks = _mixed(drawings, summations)
+    tasks: list[_Work] = [*drawings, *summations]
     images = [found for found in executor.map(_run, tasks) if found is not None]
 
     def degridded(
@@ -164,15 +163,6 @@ _Work: TypeAlias = Callable[[], _Drawn | None]
 
 def _run(task: _Work) -> _Drawn | None:
     return task()
-
-
-def _mixed(drawings: Sequence[_Work], summations: Sequence[_Work]) -> Iterator[_Work]:
-    """Yield the drawings spread evenly among the sums."""
-    step = len(summations) // len(drawings) if drawings else 0
-    for number, drawing in enumerate(drawings):
-        yield drawing
-        yield from summations[number * step : (number + 1) * step]
-    yield from summations[len(drawings) * step :]
 
 
 def _slabs(rows: Int[Array, " row"], size: int) -> Iterator[Int[Array, " slab"]]:
