@@ -117,3 +117,8 @@ def children() -> set[int]:
     for listed in Path(f"/proc/{os.getpid()}/task").glob("*/children"):
         found |= set(map(int, listed.read_text().split()))
     return found
+
+
+def number_of(shared, task: int) -> tuple[int, int]:
+    time.sleep(0.01)
+    return shared.number, os.getpid()

@@ -21,10 +21,13 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import chain, islice
 from operator import length_hint
-from typing import Any, Final, NoReturn, Self
+from typing import TYPE_CHECKING, Any, Final, NoReturn, Self, cast
 
 from uvshear.execution.copying import copy_process
 from uvshear.execution.crew import Crew, Result, Shared, Task
+
+if TYPE_CHECKING:
+    from uvshear.execution.handing_over import HandedOver
 
 AHEAD: Final = 32
 """Largest number of tasks per worker that are begun or finished while the oldest result has not been yielded."""
@@ -125,6 +128,7 @@ class CopiedCrew(Crew[Shared]):
         self._call: _Call | None = None
         self._failure: Exception | None = None
         self._listener: threading.Thread | None = None
+        self._memory: Any = None
 
     def __enter__(self) -> Self:
         return self
@@ -152,9 +156,40 @@ class CopiedCrew(Crew[Shared]):
     def tell(self, change: Callable[..., None], *news: Any) -> None:
         """Call ``change(shared, *news)`` in every copy before its next task."""
         if self._copies:
-            packed = _packed((change, news))
+            packed = _packed((_change, (change, news)))
             for copy in self._copies:
                 copy.updates.append(packed)
+
+    def hold(self, shared: Shared) -> None:
+        """Let all workers hold another object from now on.
+
+        Copies receive it through the common region (``handing_over``), which must have been reserved before they were
+        made. Where that is impossible they are ended; those that are made later know the object.
+        """
+        self._shared = shared
+        if not self._copies:
+            return
+        from uvshear.execution.handing_over import hand_over  # noqa: PLC0415 - loads NumPy, help does not
+
+        try:
+            handed, memory = hand_over(shared)
+        except Exception:  # it cannot be pickled, or there is no room for it
+            self._end_copies()
+            return
+        packed = _packed((_receive, (handed,)))
+        for copy in self._copies:
+            copy.updates = [packed]
+        # Copies that have not received the previous object will receive this one.
+        self._memory = memory
+
+    def release(self) -> None:
+        """Hold no object, until the next call of :meth:`hold`."""
+        self._shared, self._memory = cast(Shared, None), None
+
+    @property
+    def holds_something(self) -> bool:
+        """Whether the workers hold an object."""
+        return self._shared is not None
 
     def _start(self) -> None:
         for _ in range(self._workers - 1):
@@ -174,8 +209,7 @@ class CopiedCrew(Crew[Shared]):
         self._listener.start()
 
     def _end_copies(self) -> None:
-        for copy in self._copies:
-            _end(copy.pid)
+        _end([copy.pid for copy in self._copies])
         # The listener ends when it finds that a copy has ended.
         if self._listener is not None:
             self._listener.join()
@@ -183,7 +217,7 @@ class CopiedCrew(Crew[Shared]):
         for copy in self._copies:
             copy.channel.close()
         self._copies.clear()
-        self._listener, self._failure = None, None
+        self._listener, self._failure, self._memory = None, None, None
 
     def _results(
         self, function: Callable[..., Any], waiting: Iterator[tuple[int, Any]]
@@ -306,22 +340,26 @@ def _batch_size(seconds: float, left: int, workers: int) -> int:
 
 def end_copies() -> None:
     """End all copies, whatever they do, before this process ends without cleaning up."""
-    for pid in tuple(_copies):
-        _end(pid)
+    _end(tuple(_copies))
 
 
-def _end(pid: int) -> None:
-    with suppress(ProcessLookupError, ChildProcessError):
-        os.kill(pid, signal.SIGKILL)
-        os.waitpid(pid, 0)
-    _copies.discard(pid)
+def _end(pids: Sequence[int]) -> None:
+    # All of them are killed before any is waited for: the system needs 10 ms to take one down.
+    for pid in pids:
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+    for pid in pids:
+        with suppress(ChildProcessError):
+            os.waitpid(pid, 0)
+        _copies.discard(pid)
 
 
 def _serve(shared: Any, channel: socket.socket) -> NoReturn:
     """Work until the parent closes the channel, and end this copy."""
     status = 1
     try:
-        gc.disable()
+        # The collector of garbage would write into all objects, and their memory would no longer be shared.
+        gc.freeze()
         # Ctrl-C and SIGHUP reach all processes of a terminal. The parent answers them, and its end ends its copies.
         for number in (signal.SIGINT, signal.SIGHUP):
             signal.signal(number, signal.SIG_IGN)
@@ -329,14 +367,23 @@ def _serve(shared: Any, channel: socket.socket) -> NoReturn:
         while (asked := _received(channel, at_end=None)) is not None:
             updates, function, tasks = asked
             for packed in updates:
-                change, what = pickle.loads(packed)
-                change(shared, *what)
+                update, news = pickle.loads(packed)
+                shared = update(shared, *news)
             start = time.perf_counter()
             answers = [_answer(function, shared, task) for task in tasks]
             _send(channel, _packed((time.perf_counter() - start, answers)))
         status = 0
     finally:
         os._exit(status)
+
+
+def _change(shared: Any, change: Callable[..., None], news: Sequence[Any]) -> Any:
+    change(shared, *news)
+    return shared
+
+
+def _receive(_: Any, handed: "HandedOver") -> Any:
+    return handed.received()
 
 
 def _answer(function: Callable[..., Any], shared: Any, task: Any) -> tuple[bool, Any]:

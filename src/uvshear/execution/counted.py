@@ -1,7 +1,6 @@
 """Executors that have a number of workers."""
 
 from dataclasses import dataclass
-from typing import Self
 
 from uvshear.errors import InputError
 from uvshear.execution.executor import Executor
@@ -22,6 +21,6 @@ class Counted(Executor):
         """Number of workers."""
         return self.count
 
-    def at_most(self, workers: int) -> Self:
+    def at_most(self, workers: int) -> Executor:
         """Return an executor with at most this number of workers, and at least one."""
         return type(self)(max(1, min(self.count, workers)))

@@ -63,3 +63,10 @@ class Executor(ABC):
         Unless a subclass overrides this method, they are the workers of :meth:`map` and use the object itself.
         """
         return nullcontext(LocalCrew(shared, self.map))
+
+    def lasting(self) -> AbstractContextManager["Executor"]:
+        """Return an executor whose crews have the same workers until the end of the block.
+
+        Unless a subclass overrides this method, it is the executor itself.
+        """
+        return nullcontext(self)

@@ -155,7 +155,7 @@ def predict_bands(
     parts = [
         part
         for number in _longest_first(bands)
-        for tile in bands[number].tiles
+        for tile in _largest_first(bands[number].tiles)
         for part in _parts(number, _padded(tile, sky, bands[number].band), sky, bands[number].band)
     ]
 
@@ -225,6 +225,11 @@ def one_ahead(
         yield from ready
         ready = others
     yield from ready
+
+
+def _largest_first(tiles: Sequence[Tile]) -> list[Tile]:
+    """Order tiles of a band so that all workers end at about the same time."""
+    return sorted(tiles, key=lambda tile: tile.size, reverse=True)
 
 
 def _longest_first(bands: Sequence[PredictedBand]) -> list[int]:

@@ -22,6 +22,7 @@ from uvshear.execution import in_threads
 from uvshear.extraction.converged.major_cycle import ResidualAccumulator, gather_residuals
 from uvshear.extraction.converged.plan import FacetRequests, plan_major_cycle
 from uvshear.imaging.tiles import Tiling
+from uvshear.interferometer.accumulate import accumulate
 from uvshear.predict import predict_visibilities
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.template import Template
@@ -196,8 +197,10 @@ def test_the_work_reported_is_the_same_whatever_the_threads(one_channel):
 
 def test_a_pass_in_two_parts_gives_the_facets_of_one(one_channel):
     model = one_channel.modelled(changed(SKY, 1, flux=0.5))
-    whole = gather_residuals(one_channel.observation, one_channel.plan, model, GRIDDING)
-    first, later = (ResidualAccumulator(one_channel.plan, model, GRIDDING) for _ in range(2))
+    undivided, first, later = (
+        ResidualAccumulator(one_channel.plan, model, GRIDDING) for _ in range(3)
+    )
+    (whole,) = accumulate(one_channel.observation, [undivided])
     chunks = one_channel.in_pieces(2).blocks
     first.add(chunks[0])
     later.add(chunks[1])

@@ -27,7 +27,10 @@ def _fits():
 
 
 def _with_own_models(field, executor):
-    cycle = MajorCycle(field.plan, field.beams, field.before)
+    plan, places = field.plan, [facet.copy() for facet in field.before]
+    for facet, cutout, offset in zip(places, plan.cutouts, plan.offset, strict=True):
+        cutout.recentre(facet, tuple(-offset))
+    cycle = MajorCycle(plan, field.beams, tuple(places))
     fits = _fits()
     sources = [GalaxySource(PRIOR, EXPONENTIAL, fit) for fit in fits]
     return with_own_models(cycle, field.interaction(), sources, fits, executor)

@@ -8,6 +8,7 @@ import pytest
 
 from tests.extraction.converged.states import nothing, touching_pair
 from tests.extraction.fields import OPTIONS
+from uvshear.execution import SERIAL
 from uvshear.extraction.converged import statistics
 from uvshear.extraction.converged.statistics import keep_statistics
 from uvshear.shapes.source_facet import Column, SourceFacet
@@ -41,7 +42,7 @@ def _keep(prepared, modelled=None, on_source=nothing, spy=None):
     setting = replace(OPTIONS.setting, keep=(spy,))
     modelled = modelled or prepared.modelled
     centre = prepared.observation.phase_centre
-    kept = keep_statistics(prepared.state, modelled, setting, centre, on_source)
+    kept = keep_statistics(prepared.state, modelled, setting, centre, SERIAL, on_source)
     fluxes = prepared.truth.flux.tolist()
     return sorted(spy.seen, key=lambda source: fluxes.index(source.flux)), kept
 

@@ -89,39 +89,53 @@ def couple(now: "SkyState", crew: "SkyCrew") -> Couplings:
     first, second = [np.zeros(0, int)], [np.zeros(0, int)]
     values = [np.zeros((0, PARAMETERS, PARAMETERS))]
     own = np.zeros((len(place), PARAMETERS, PARAMETERS))
-    for members, blocks in crew.map(_blocks, _boxes(place, reach)):
-        index = np.array(members)
-        apart = place[index][None, :] - place[index[: len(blocks)]][:, None]
-        a, b = np.nonzero(np.hypot(apart[..., 0], apart[..., 1]) <= reach)
-        own[index[: len(blocks)]] = np.einsum("iaib->iab", blocks[:, :, : len(blocks)])
-        kept = b > a
-        a, b = a[kept], b[kept]
-        swapped = index[a] > index[b]
-        block = blocks[a, :, b, :]
-        first.append(np.where(swapped, index[b], index[a]))
-        second.append(np.where(swapped, index[a], index[b]))
-        values.append(np.where(swapped[:, None, None], block.swapaxes(1, 2), block))
+    for found in crew.map(_blocks, _boxes(place, reach)):
+        own[found.sources] = found.own
+        first.append(found.first)
+        second.append(found.second)
+        values.append(found.blocks)
     blocks = np.concatenate(values)
     flux = np.array([fit.flux for fit in fits])
     pairs = np.concatenate(first), np.concatenate(second)
     return Couplings(*pairs, blocks, own, interaction.far, flux)
 
 
-def _blocks(
-    sky: "MovingSky", task: tuple[list[int], list[int]]
-) -> tuple[list[int], Float[Array, "own 6 member 6"]]:
-    """Return the members of a box with its neighbours, and the blocks between its own sources and all members."""
+@dataclass(frozen=True)
+class _OfBox:
+    """Blocks of the sources of a box among one another and with its neighbours, as in :class:`Couplings`."""
+
+    sources: Int[Array, " own"]
+    own: Float[Array, "own 6 6"]
+    first: Int[Array, " pair"]
+    second: Int[Array, " pair"]
+    blocks: Float[Array, "pair 6 6"]
+
+
+def _blocks(sky: "MovingSky", task: tuple[list[int], list[int]]) -> _OfBox:
+    """Return the blocks of a box whose sources and neighbours are given."""
     own, others = task
-    now, members = sky.now, own + others
-    place, centre = now.interaction.plan.centres, now.interaction.plan.centres[own[0]]
+    now, members = sky.now, np.array(own + others)
+    place, reach = now.interaction.plan.centres[members], now.interaction.reach
+    apart = place[None, :] - place[: len(own), None]
     blocks = fisher_blocks(
-        [tuple(place[k] - centre) for k in members],
+        [tuple(of_member) for of_member in place - place[0]],
         [now.fits[k] for k in members],
         now.profile,
         now.interaction.short_plane_around(own[0]),
         len(own),
     )
-    return members, blocks
+    a, b = np.nonzero(np.hypot(apart[..., 0], apart[..., 1]) <= reach)
+    kept = b > a
+    a, b = a[kept], b[kept]
+    swapped = members[a] > members[b]
+    block = blocks[a, :, b, :]
+    return _OfBox(
+        sources=members[: len(own)],
+        own=np.einsum("iaib->iab", blocks[:, :, : len(own)]).copy(),
+        first=np.where(swapped, members[b], members[a]),
+        second=np.where(swapped, members[a], members[b]),
+        blocks=np.where(swapped[:, None, None], block.swapaxes(1, 2), block),
+    )
 
 
 def _boxes(place: Float[Array, "source 2"], side: float) -> Iterator[tuple[list[int], list[int]]]:

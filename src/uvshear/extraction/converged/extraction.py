@@ -20,7 +20,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-from uvshear.execution import single_threaded_libraries
+from uvshear.execution import Executor, single_threaded_libraries
 from uvshear.extraction.converged.acceleration import Cycle, next_sky
 from uvshear.extraction.converged.baselines import Baselines
 from uvshear.extraction.converged.history import History
@@ -112,15 +112,15 @@ class ConvergedExtraction(Extraction):
             record = {"extraction": "converged", "major_cycles": 0}
             return Extracted({}, field.sky, field.uv_range, record)
         # Threads of the linear algebra would compete with those of the fits, and change the last bits.
-        with single_threaded_libraries():
+        with single_threaded_libraries(), setting.resources.executor.lasting() as executor:
             meter, profile = Meter(progress), setting.model.profile
             is_galaxy = field.flags[field.modelled] == FitFlag.OK
             baselines = Baselines.from_field(field, is_galaxy, self.shortest, profile)
             observation = HeldObservation(observation, HELD_PART * setting.resources.memory)
-            found = self._extract(observation, field, setting, meter, baselines)
+            found = self._extract(observation, field, setting, executor, meter, baselines)
             if found is None:
                 baselines = baselines.without_short_ones()
-                found = self._extract(observation, field, setting, meter, baselines)
+                found = self._extract(observation, field, setting, executor, meter, baselines)
         assert found is not None
         return found
 
@@ -129,11 +129,12 @@ class ConvergedExtraction(Extraction):
         observation: Observation,
         field: Field,
         setting: Setting,
+        executor: Executor,
         meter: Meter,
         baselines: Baselines,
     ) -> Extracted | None:
         """Measure with these baselines; None where they let the sky diverge, and fewer can be used."""
-        executor, centre = setting.resources.executor, observation.phase_centre
+        centre = observation.phase_centre
         modelled = ModelledField.from_field(field, setting.model, centre.dec)
         epsilon = self._epsilon(field)
         planner = Planner.from_field(modelled, baselines, self.scale_lengths, epsilon)
@@ -182,7 +183,9 @@ class ConvergedExtraction(Extraction):
         statistics: Mapping[int, Kept] = {}
         if setting.keep:
             released, moved = release(state, self.tolerance / 2, executor, on_fit)
-            statistics = keep_statistics(released, modelled, setting, centre, on_statistics)
+            statistics = keep_statistics(
+                released, modelled, setting, centre, executor, on_statistics
+            )
             record["released"] = [round(rms, 4) for rms in moved]
         meter.finish()
         return Extracted(

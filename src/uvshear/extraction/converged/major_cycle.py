@@ -13,6 +13,7 @@ from typing import Self
 import numpy as np
 
 from uvshear.execution import Executor
+from uvshear.execution.shared_memory import shared_zeros
 from uvshear.extraction.converged.beams import BeamAccumulator, BeamPlan, Beams
 from uvshear.extraction.converged.plan import MajorCyclePlan
 from uvshear.extraction.converged.residual_tiles import (
@@ -29,11 +30,8 @@ from uvshear.predict.blocks import BlockAccumulator
 from uvshear.predict.gridded import Gridding, ModelledSky, PredictedBand, predict_bands
 from uvshear.typing import Array, Complex, Int
 
-_AT_A_TIME = 2**19
+_AT_A_TIME = 2**16
 """Number of samples in a task that assigns samples to bands."""
-
-_BATCH = 32
-"""Number of sources whose facets a worker takes at a time."""
 
 OnWork = Callable[[float], None]
 """Function that is called with the estimated cost of the work that has been done, on one core [ns]
@@ -41,6 +39,13 @@ OnWork = Callable[[float], None]
 
 Facets = tuple[Complex[Array, " _"], ...]
 """Correlation of the residual with a point source at each source, in the cells of its facet [1/Jy]."""
+
+
+def shared_facets(lengths: Sequence[int]) -> Facets:
+    """Return facets of zeros with these numbers of cells, in memory that the workers of a crew share."""
+    edges = np.cumsum([0, *lengths])
+    everything = shared_zeros((int(edges[-1]),), np.complex64)
+    return tuple(np.split(everything, edges[1:-1])) if lengths else ()
 
 
 @dataclass(frozen=True)
@@ -54,7 +59,7 @@ class MajorCycle:
     beams
         Dirty beams over the field.
     residuals
-        Facet of each source with all models subtracted, including its own.
+        Facet of each source with all models subtracted, including its own; its centre is ``plan.place``.
     """
 
     plan: MajorCyclePlan
@@ -90,7 +95,8 @@ def next_major_cycle(
     on_work: OnWork | None = None,
 ) -> MajorCycle:
     """Read the visibilities once, for the residual facets; the beams are known."""
-    residuals = gather_residuals(observation, plan, sky, gridding, on_work)
+    accumulator = ResidualAccumulator(plan, sky, gridding, on_work)
+    (residuals,) = accumulate(observation, [accumulator])
     return MajorCycle(plan, beams, residuals)
 
 
@@ -103,11 +109,13 @@ def gather_residuals(
 ) -> Facets:
     """Return the facet of each source with all models subtracted, centred on the directions ``plan.centres``."""
     (facets,) = accumulate(observation, [ResidualAccumulator(plan, sky, gridding, on_work)])
+    for facet, cutout, offset in zip(facets, plan.cutouts, plan.offset, strict=True):
+        cutout.recentre(facet, tuple(offset))
     return facets
 
 
 class ResidualAccumulator(BlockAccumulator[Facets]):
-    """Facets of all sources, with all models subtracted.
+    """Facets of all sources, with all models subtracted; the centre of each is its place on the pixels of the plan.
 
     Parameters
     ----------
@@ -131,7 +139,7 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
         super().__init__(plan.shortest, plan.longest, gridding)
         self._plan, self._sky, self._gridding, self._on_work = plan, sky, gridding, on_work
         self._filters = filters_of_plan(plan, sky.galaxies, sky.response)
-        self._facets = [np.zeros(len(cutout.multiplicity), np.complex64) for cutout in plan.cutouts]
+        self._facets = shared_facets([len(cutout.multiplicity) for cutout in plan.cutouts])
 
     def add_sums(self, later: Self) -> None:
         """Add the facets of later visibilities."""
@@ -139,16 +147,8 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
             np.add(facet, more, out=facet)
 
     def total(self) -> Facets:
-        """Return the facets, centred on their sources."""
-        plan = self._plan
-
-        def centred(source: int) -> Complex[Array, " _"]:
-            facet = self._facets[source].copy()
-            plan.cutouts[source].recentre(facet, tuple(plan.offset[source]))
-            return facet
-
-        sources = range(len(self._facets))
-        return tuple(self._gridding.executor.map_in_batches(centred, sources, _BATCH))
+        """Return the facets, centred on ``plan.place``."""
+        return self._facets
 
     def add_block(self, samples: Samples) -> None:
         """Subtract the models, image the residual and cut out the facets, from the coarsest band to the finest."""

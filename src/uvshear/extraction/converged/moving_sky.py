@@ -58,7 +58,8 @@ class MovingSky:
 
     def __init__(self, state: SkyState) -> None:
         self._before = state.fits
-        self._now = replace(state, image=state.image.copy())
+        # The workers do without the linearisation, which is large.
+        self._now = replace(state, image=state.image.copy(), linearisation=None)
         # Zeros that nobody writes take no memory.
         self._rendered = shared_zeros((SLOTS, WINDOW, WINDOW), np.float32)
 

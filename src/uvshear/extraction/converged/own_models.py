@@ -3,12 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from uvshear.execution import Executor
-from uvshear.execution.shared_memory import shared_zeros
 from uvshear.extraction.converged.interaction import Interaction
-from uvshear.extraction.converged.major_cycle import Facets, MajorCycle
+from uvshear.extraction.converged.major_cycle import Facets, MajorCycle, shared_facets
 from uvshear.extraction.converged.sources import ModelledSource
 from uvshear.imaging.cutout import Cutout
 from uvshear.shapes.measurement import GalaxyFit
@@ -24,7 +21,7 @@ def with_own_models(
     subtracted: Sequence[GalaxyFit],
     executor: Executor,
 ) -> Facets:
-    """Add to each residual facet the part of the source's own model that the image of changes does not hold.
+    """Centre each residual facet on its source, and add the part of its own model that the image of changes lacks.
 
     Parameters
     ----------
@@ -40,10 +37,7 @@ def with_own_models(
         Executor of the work.
     """
     _work_out_powers(cycle, interaction, executor)
-    edges = np.cumsum([0, *(len(facet) for facet in cycle.residuals)])
-    # The workers of a crew write into it.
-    everything = shared_zeros((int(edges[-1]),), np.complex64)
-    facets = tuple(np.split(everything, edges[1:-1])) if len(edges) > 1 else ()
+    facets = shared_facets([len(facet) for facet in cycle.residuals])
     adding = _Adding(cycle, interaction, sources, subtracted, facets)
     with executor.crew(adding) as crew:
         for _ in crew.map(_add, range(0, len(facets), AT_A_TIME)):
@@ -68,7 +62,10 @@ def _add(adding: _Adding, first: int) -> None:
         cutout = cycle.plan.cutouts[k]
         left = cycle.beams.power(k, cutout) - adding.interaction.own_power(k)
         model = adding.sources[k].model(adding.subtracted[k], cutout.uv)
-        np.add(cycle.residuals[k], left * model, out=adding.facets[k])
+        facet = adding.facets[k]
+        facet[:] = cycle.residuals[k]
+        cutout.recentre(facet, tuple(cycle.plan.offset[k]))
+        facet += left * model
 
 
 def _work_out_powers(cycle: MajorCycle, interaction: Interaction, executor: Executor) -> None:

@@ -1,13 +1,16 @@
 """Residual images on the tiles of all bands, and the facets that are cut out of the finest.
 
-A task images a slab of samples on a tile, with one of its filters. The last task of a tile of the finest band also adds
-up the images of the tile and those of the coarser bands, and cuts out facets. All tasks are in one round, so that
-workers do not wait for one another at the end of each band.
+A task images a slab of samples on a tile, with one of its filters. A last task for each tile of the finest band adds up
+the images of the tile and those of the coarser bands, and cuts out facets. All tasks are in one round, so that workers
+do not wait for one another at the end of each band.
 """
 
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
+from typing import Final
 
 from uvshear.execution import Promise, UsedValue
 from uvshear.extraction.converged.plan import MajorCyclePlan
@@ -21,6 +24,9 @@ from uvshear.interferometer.samples import Samples
 from uvshear.predict.gridded import Gridding, slabs
 from uvshear.predict.response import Response
 from uvshear.typing import Array, Complex, Float
+
+UNCUT: Final = 2
+"""Number of tiles that are imaged before the cutouts of the previous one are taken."""
 
 Images = list[Float[Array, "l m"]]
 """Images of one tile, one for each of its filters."""
@@ -74,20 +80,34 @@ def add_to_facets(
     tiles = _tiles_of_bands(residuals)
     widest = max(each.tile.size for of_band in tiles for each in of_band)
     most = max(len(view.samples) for view in residuals.views)
-    tasks = [(each, part) for of_band in tiles for each in of_band for part in range(len(each))]
 
-    def work(task: tuple[_ImagedTile, int]) -> None:
-        each, part = task
+    def image(each: _ImagedTile, part: int) -> float:
         each.image(part)
-        if each.is_top and part == len(each) - 1:
-            with each.images.used() as images:
-                _cut(images, each.tile, each.filters, plan, facets)
+        return 0.0 if each.is_top or part < len(each) - 1 else each.work
 
-    done = gridding.executor_for(widest, most).map(work, tasks)
-    for each in chain.from_iterable(tiles):
-        for _ in range(len(each)):
-            next(done)
-        yield work_of(len(each.view.samples), each.tile)
+    def cut(each: _ImagedTile) -> float:
+        with each.images.used() as images:
+            _cut(images, each.tile, each.filters, plan, facets)
+        return each.work
+
+    tasks: list[Callable[[], float]] = []
+    uncut = deque[_ImagedTile]()
+    largest_first = sorted(tiles[-1], key=lambda each: each.tile.size, reverse=True)
+    for each in chain(chain.from_iterable(tiles[:-1]), largest_first):
+        tasks += [partial(image, each, part) for part in range(len(each))]
+        if each.is_top:
+            uncut.append(each)
+        # The cutouts of a tile may have to wait for a coarser band; others are imaged meanwhile.
+        if len(uncut) > UNCUT:
+            tasks.append(partial(cut, uncut.popleft()))
+    tasks += [partial(cut, each) for each in uncut]
+    for work in gridding.executor_for(widest, most).map(_run, tasks):
+        if work:
+            yield work
+
+
+def _run(task: Callable[[], float]) -> float:
+    return task()
 
 
 def _tiles_of_bands(residuals: WeightedResiduals) -> list[list["_ImagedTile"]]:
@@ -139,6 +159,11 @@ class _ImagedTile:
 
     def __len__(self) -> int:
         return len(self.filters.seen_as) * len(self._rows)
+
+    @property
+    def work(self) -> float:
+        """Estimated cost of imaging the tile once [ns]."""
+        return work_of(len(self.view.samples), self.tile)
 
     def image(self, part: int) -> None:
         """Image one part, and add it to the previous slab of its filter."""

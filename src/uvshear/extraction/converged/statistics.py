@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
+from uvshear.execution import Executor
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.extraction.extraction import Setting
@@ -29,14 +30,14 @@ def keep_statistics(
     modelled: ModelledField,
     setting: Setting,
     phase_centre: PhaseCentre,
+    executor: Executor,
     on_source: Callable[[], None],
 ) -> Mapping[int, Kept]:
     """Compute the statistics of every galaxy, with a flag for each estimator, by index of the catalogue."""
     subject = _Kept(state, modelled, setting, phase_centre, modelled.strength_at_1_4_ghz)
     kept: dict[int, Kept] = {}
-    resources = setting.resources
-    workers = min(resources.memory // BYTES_PER_WORKER, resources.executor.workers)
-    executor = resources.executor.at_most(int(workers))
+    workers = min(setting.resources.memory // BYTES_PER_WORKER, executor.workers)
+    executor = executor.at_most(int(workers))
     most = min(MOST_IN_A_PART, math.ceil(len(modelled.galaxies) / (2 * executor.workers)))
     parts = _by_beam(state, modelled.galaxies, most)
     for part, found in zip(parts, executor.distribute(_statistics, subject, parts), strict=True):
