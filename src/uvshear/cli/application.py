@@ -26,6 +26,7 @@ from uvshear.cli.standard_streams import (
     standard_streams,
 )
 from uvshear.errors import InputError
+from uvshear.execution import start_libraries_with_one_thread
 from uvshear.io.unfinished import remove_unfinished
 
 WRONG_INPUT: Final = 2
@@ -106,6 +107,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     main thread can answer signals while compiled code runs.
     """
     open_closed_descriptors()
+    start_libraries_with_one_thread()
     gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)
     events: SimpleQueue[Outcome | EndRequest] = SimpleQueue()
     with ending_signals(events.put), standard_streams() as output:

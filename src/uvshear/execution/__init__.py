@@ -11,7 +11,7 @@ from uvshear.execution.copying import CAN_COPY, copy_process
 from uvshear.execution.cores import available_cores, in_copies, in_processes, in_threads
 from uvshear.execution.crew import Crew
 from uvshear.execution.executor import Executor
-from uvshear.execution.libraries import single_threaded_libraries
+from uvshear.execution.libraries import single_threaded_libraries, start_libraries_with_one_thread
 from uvshear.execution.processes import Processes, end_processes
 from uvshear.execution.promise import Promise
 from uvshear.execution.resources import Resources
@@ -42,4 +42,5 @@ __all__ = [
     "in_processes",
     "in_threads",
     "single_threaded_libraries",
+    "start_libraries_with_one_thread",
 ]
