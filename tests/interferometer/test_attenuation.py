@@ -19,9 +19,11 @@ from uvshear.geometry.directions import n_minus_one
 from uvshear.interferometer.attenuation import (
     Attenuation,
     BandwidthSmearing,
+    CellSmearing,
     CombinedAttenuation,
     TimeSmearing,
 )
+from uvshear.interferometer.averaged_rows import MOMENTS
 from uvshear.interferometer.coverage import EARTH_ROTATION
 
 
@@ -83,3 +85,27 @@ def test_prepared_attenuations_multiply_the_same_factors_for_several_sources(dty
     for factor, *place in zip(factors, l.tolist(), m.tolist(), strict=True):
         expected = np.prod([part.factor(samples(), *place) for part in whole.parts], axis=0)
         np.testing.assert_allclose(factor, 3 * expected, rtol=0, atol=allowed)
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_the_smearing_of_a_cell_is_the_average_over_it(dtype):
+    rng = np.random.default_rng(2)
+    l, m = np.array([L, -0.5 * L]), np.array([M, 0.8 * M])
+    directions = np.stack([l, m, n_minus_one(l, m)], axis=-1)
+    exact, moments = [], []
+    for _ in range(PAIRS):
+        # Evenly spread over a box that is turned in some way; up to 0.46 rad at the farther source.
+        turned = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        spread = rng.uniform(-1, 1, (20_000, 3)) * (8, 5, 2) @ turned
+        spread -= spread.mean(axis=0)
+        exact.append(np.exp(2j * np.pi * spread @ directions.T).mean(axis=0))
+        moments.append([np.mean(spread[:, a] * spread[:, b]) for a, b in MOMENTS])
+    seen = samples(covariance=np.array(moments, np.float32))
+    factors = np.ones((2, PAIRS), dtype)
+    CellSmearing().over(seen).multiply(factors, l, m)
+    assert factors.min() < 0.97
+    np.testing.assert_allclose(factors, np.array(exact).real.T, rtol=0, atol=2.5e-4)
+
+
+def test_samples_without_moments_are_not_smeared_in_cells():
+    np.testing.assert_array_equal(CellSmearing().factor(samples(), L, M), 1.0)

@@ -111,7 +111,10 @@ def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
     over_channel = f"{widest / 1e3:.6g} kHz" if widest > 0 else "none in frequency"
     facts += [
         ("time", " to ".join(map(_date, ranges.time)) + " UTC"),
-        ("averaging", f"{over_time}, {over_channel}"),
+        (
+            "averaging",
+            "over cells of (u, v, w)" if content.has_averages else f"{over_time}, {over_channel}",
+        ),
     ]
     if counts.usable:
         (near, far), (low, high) = ranges.baseline, ranges.uv_distance
@@ -124,9 +127,11 @@ def _facts_of_field(content: "FieldContent", seen: "Inspection") -> list[Fact]:
         False: "no, the opposite sign, which is usual for some telescopes (LOFAR, WSRT)",
         None: "neither sign fits",
     }[content.uvw_agrees]
+    facts.append(("noise / noise implied by the weights", _noise(content)))
+    if content.has_averages:
+        return facts
     return [
         *facts,
-        ("noise / noise implied by the weights", _noise(content)),
         ("UVW is X(ANTENNA1) - X(ANTENNA2)", sense),
     ]
 

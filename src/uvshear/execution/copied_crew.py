@@ -11,12 +11,10 @@ import pickle
 import select
 import signal
 import socket
-import struct
 import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import BrokenExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import chain, islice
@@ -25,6 +23,7 @@ from typing import TYPE_CHECKING, Any, Final, NoReturn, Self, cast
 
 from uvshear.execution.copying import copy_process
 from uvshear.execution.crew import Crew, Result, Shared, Task
+from uvshear.execution.messages import packed, received, send
 
 if TYPE_CHECKING:
     from uvshear.execution.handing_over import HandedOver
@@ -51,8 +50,6 @@ WAKE: Final = 0.2
 SMALL: Final = 2**15
 """Largest message that is sent to a copy that is still working [bytes]. A larger one might not fit into the buffer of
 the socket; if the copy's result did not fit either, copy and parent would wait for each other for ever."""
-
-_LENGTH: Final = struct.Struct("=q")
 
 _copies: set[int] = set()
 """Process ids of the copies that have not ended yet."""
@@ -156,9 +153,9 @@ class CopiedCrew(Crew[Shared]):
     def tell(self, change: Callable[..., None], *news: Any) -> None:
         """Call ``change(shared, *news)`` in every copy before its next task."""
         if self._copies:
-            packed = _packed((_change, (change, news)))
+            message = packed((_change, (change, news)))
             for copy in self._copies:
-                copy.updates.append(packed)
+                copy.updates.append(message)
 
     def hold(self, shared: Shared) -> None:
         """Let all workers hold another object from now on.
@@ -176,9 +173,9 @@ class CopiedCrew(Crew[Shared]):
         except Exception:  # it cannot be pickled, or there is no room for it
             self._end_copies()
             return
-        packed = _packed((_receive, (handed,)))
+        message = packed((_receive, (handed,)))
         for copy in self._copies:
-            copy.updates = [packed]
+            copy.updates = [message]
         # Copies that have not received the previous object will receive this one.
         self._memory = memory
 
@@ -276,10 +273,10 @@ class CopiedCrew(Crew[Shared]):
                 return
             count = _batch_size(call.seconds, len(call.in_hand), self._workers)
             tasks = [task for _, task in islice(call.in_hand, count)]
-            packed = _packed((copy.updates, call.function, tasks))
-            if copy.begun and len(packed) > SMALL:
+            message = packed((copy.updates, call.function, tasks))
+            if copy.begun and len(message) > SMALL:
                 return
-            _send(copy.channel, packed)
+            send(copy.channel, message)
             copy.updates = []
             copy.begun.append([call.in_hand.popleft()[0] for _ in range(count)])
 
@@ -294,7 +291,7 @@ class CopiedCrew(Crew[Shared]):
             for descriptor, _ in answers.poll():
                 copy = copies[descriptor]
                 try:
-                    seconds, found = _received(copy.channel)
+                    seconds, found = received(copy.channel)
                     with self._changed:
                         self._take(copy, seconds, found)
                 except Exception as error:
@@ -364,14 +361,14 @@ def _serve(shared: Any, channel: socket.socket) -> NoReturn:
         for number in (signal.SIGINT, signal.SIGHUP):
             signal.signal(number, signal.SIG_IGN)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        while (asked := _received(channel, at_end=None)) is not None:
+        while (asked := received(channel, at_end=None)) is not None:
             updates, function, tasks = asked
-            for packed in updates:
-                update, news = pickle.loads(packed)
+            for message in updates:
+                update, news = pickle.loads(message)
                 shared = update(shared, *news)
             start = time.perf_counter()
             answers = [_answer(function, shared, task) for task in tasks]
-            _send(channel, _packed((time.perf_counter() - start, answers)))
+            send(channel, packed((time.perf_counter() - start, answers)))
         status = 0
     finally:
         os._exit(status)
@@ -392,43 +389,3 @@ def _answer(function: Callable[..., Any], shared: Any, task: Any) -> tuple[bool,
         return False, function(shared, task)
     except Exception as error:
         return True, error
-
-
-def _packed(content: Any) -> bytes:
-    return pickle.dumps(content, pickle.HIGHEST_PROTOCOL)
-
-
-def _send(channel: socket.socket, packed: bytes) -> None:
-    try:
-        channel.sendall(_LENGTH.pack(len(packed)) + packed)
-    except OSError as error:
-        raise BrokenExecutor("a copy of the process ended before its work was done") from error
-
-
-_NOTHING: Final = object()
-
-
-def _received(channel: socket.socket, at_end: Any = _NOTHING) -> Any:
-    head = _exactly(channel, _LENGTH.size)
-    if len(head) == _LENGTH.size:
-        length = _LENGTH.unpack(head)[0]
-        content = _exactly(channel, length)
-        if len(content) == length:
-            return pickle.loads(content)
-    if at_end is _NOTHING:
-        raise BrokenExecutor("a copy of the process ended before its work was done")
-    return at_end
-
-
-def _exactly(channel: socket.socket, length: int) -> bytearray:
-    content = bytearray(length)
-    view, filled = memoryview(content), 0
-    while filled < length:
-        try:
-            count = channel.recv_into(view[filled:], min(length - filled, 1 << 20))
-        except ConnectionError:
-            count = 0
-        if count == 0:
-            return bytearray()
-        filled += count
-    return content

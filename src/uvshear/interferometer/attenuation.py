@@ -8,6 +8,13 @@ are
 
 (the first is eq. 4 of Rivi & Miller 2018, which has a different factor 1/c and no w). A galaxy is small, so that the
 factor at its centre applies to all of it.
+
+A sample may also be an average over a cell of (u, v, w), in which the phase of a source varies little. With the second
+moments C of the baselines in the cell about their mean, its factor is
+
+.. math:: \exp(-2\pi^2\, x^\mathrm{T} C\, x), \quad x = (l, m, n-1),
+
+to the fourth order in the phase, if the baselines are distributed evenly.
 """
 
 import math
@@ -18,8 +25,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from uvshear.geometry.directions import n_minus_one
+from uvshear.interferometer.averaged_rows import MOMENTS
 from uvshear.interferometer.coverage import EARTH_ROTATION
-from uvshear.interferometer.kernels import multiply_by_sinc, multiply_by_sinc_single
+from uvshear.interferometer.kernels import (
+    multiply_by_gaussian,
+    multiply_by_sinc,
+    multiply_by_sinc_single,
+)
 from uvshear.interferometer.samples import Samples
 from uvshear.typing import Array, Float
 
@@ -135,6 +147,36 @@ class _Averaged(AttenuatedSamples):
 
 
 @dataclass(frozen=True)
+class CellSmearing(PreparedAttenuation):
+    """Average over cells of (u, v, w), for samples that have second moments."""
+
+    def over(self, samples: Samples) -> AttenuatedSamples:
+        """Return the attenuation of these samples, for many sources."""
+        return _Scattered(samples.covariance)
+
+
+@dataclass(frozen=True)
+class _Scattered(AttenuatedSamples):
+    """Average over baselines with these second moments [wavelengths^2]."""
+
+    covariance: Float[Array, "sample moment"]
+
+    def multiply(
+        self,
+        factors: Float[Array, "source sample"],
+        l: Float[Array, " source"],
+        m: Float[Array, " source"],
+    ) -> None:
+        if not self.covariance.shape[1]:
+            return
+        with np.errstate(invalid="ignore"):  # beyond the horizon
+            directions = np.stack([l, m, n_minus_one(l, m)], axis=-1)
+        form = np.stack([directions[:, a] * directions[:, b] for a, b in MOMENTS], axis=-1)
+        twice = np.array([1.0 if a == b else 2.0 for a, b in MOMENTS])
+        multiply_by_gaussian(self.covariance, -2 * math.pi**2 * form * twice, factors)
+
+
+@dataclass(frozen=True)
 class CombinedAttenuation(PreparedAttenuation):
     """Product of several attenuations."""
 
@@ -165,7 +207,7 @@ def total_attenuation(
     """Smearing and primary beam together, at a declination of the phase centre [rad]; None if there is neither."""
     parts: tuple[Attenuation, ...] = ()
     if smears:
-        parts = (BandwidthSmearing(), TimeSmearing(declination))
+        parts = (BandwidthSmearing(), TimeSmearing(declination), CellSmearing())
     if primary_beam is not None:
         parts = (*parts, primary_beam)
     return CombinedAttenuation(parts) if parts else None

@@ -37,6 +37,18 @@ def multiply_by_sinc_single(uvw, directions, scale, factors):  # type: ignore[no
 
 
 @compiled
+def multiply_by_gaussian(moments, forms, factors):  # type: ignore[no-untyped-def]
+    """Multiply each row by exp(moments . form), with the moments of each sample and the form of each row."""
+    for s in range(len(factors)):
+        form, factor = forms[s], factors[s]
+        for i in range(factor.size):
+            exponent = 0.0
+            for k in range(form.size):
+                exponent += moments[i, k] * form[k]
+            factor[i] *= math.exp(exponent)
+
+
+@compiled
 def multiply_by_entries(tables, place, factors):  # type: ignore[no-untyped-def]
     """Multiply each row by the entry of its own table at each sample's place."""
     for s in range(len(factors)):

@@ -120,7 +120,8 @@ class NoiseSampleAccumulator(Accumulator[NoiseSample | None]):
 
 def _triples(seen: Visibilities, row: Int[Array, " drawn"], chan: Int[Array, " drawn"]) -> Columns:
     """Return the columns of the samples at these places, of the next integrations, and of neighbouring channels."""
-    later = _next_rows(seen.integrations, row)
+    # Averages over cells of (u, v, w) do not follow one another in time.
+    later = _next_rows(seen.integrations if seen.averages is None else None, row)
     last = seen.weights.shape[1] - 1
     beside = np.where(chan < last, chan + 1, np.maximum(chan - 1, 0))
     groups = (

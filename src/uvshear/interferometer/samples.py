@@ -1,6 +1,6 @@
 """Visibilities without rows and channels: one element for each sample, with baselines in wavelengths."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Self
 
 import numpy as np
@@ -34,6 +34,9 @@ class Samples:
         Time that the sample was averaged over [s]; 0 where nothing was averaged.
     antennas
         Numbers of ANTENNA1 and ANTENNA2; -1 where they are not known.
+    covariance
+        Second moments (``averaged_rows.MOMENTS``) of the baselines of which each sample is an average, about their mean
+        [wavelengths^2]; no columns where samples are no such averages.
     """
 
     uvw: Float[Array, "sample 3"]
@@ -43,6 +46,13 @@ class Samples:
     bandwidth: Float[Array, " sample"]
     interval: Float[Array, " sample"]
     antennas: Int[Array, "sample 2"]
+    covariance: Float[Array, "covered moment"] = field(
+        default_factory=lambda: np.zeros((0, 0), np.float32)
+    )
+
+    def __post_init__(self) -> None:
+        if len(self.covariance) != len(self.uvw):
+            object.__setattr__(self, "covariance", np.zeros((len(self.uvw), 0), np.float32))
 
     def __len__(self) -> int:
         return len(self.uvw)
@@ -59,15 +69,22 @@ class Samples:
         cls, visibilities: Visibilities, row: Int[Array, " sample"], chan: Int[Array, " sample"]
     ) -> Self:
         """Take the samples at these rows and channels."""
-        frequency = visibilities.frequency[chan]
-        width, integrations = visibilities.width, visibilities.integrations
+        in_wavelengths = visibilities.frequency[chan] / SPEED_OF_LIGHT
+        integrations, averages = visibilities.integrations, visibilities.averages
         nothing = np.zeros(len(row), np.float32)
+        if averages is None:
+            frequency = visibilities.frequency[chan]
+            width = nothing if visibilities.width is None else visibilities.width[chan]
+            covariance = nothing[:, None][:, :0]
+        else:
+            frequency, width = averages.frequency[row], averages.width[row]
+            covariance = averages.covariance[row] * (in_wavelengths**2)[:, None]
         return cls(
-            uvw=visibilities.uvw[row] * (frequency / SPEED_OF_LIGHT)[:, None],
+            uvw=visibilities.uvw[row] * in_wavelengths[:, None],
             stokes_i=visibilities.stokes_i[row, chan].astype(np.complex64, copy=False),
             weights=visibilities.weights[row, chan].astype(np.float32, copy=False),
             frequency=frequency.astype(float, copy=False),
-            bandwidth=nothing if width is None else width[chan].astype(np.float32),
+            bandwidth=width.astype(np.float32, copy=False),
             interval=(
                 nothing if integrations is None else integrations.interval[row].astype(np.float32)
             ),
@@ -76,6 +93,7 @@ class Samples:
                 if integrations is None
                 else integrations.antennas[row].astype(np.int16)
             ),
+            covariance=covariance.astype(np.float32, copy=False),
         )
 
     @classmethod

@@ -9,6 +9,7 @@ import numpy as np
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.array_extent import ArrayExtent
+from uvshear.interferometer.averaged_rows import AveragedRows
 from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.typing import Array, Bool, Complex, Float, Int
 
@@ -62,6 +63,8 @@ class Visibilities:
         samples of the block; None where it is not known.
     array
         Lengths that the baselines of the array can have.
+    averages
+        What is known of the samples that each row is an average of (``uvshear average``); None if the rows are samples.
     is_screened
         Whether samples that cannot be right have been left out (``screening``).
     """
@@ -75,6 +78,7 @@ class Visibilities:
     counts: SampleCounts | None = None
     hand_powers: Float[Array, " drawn"] | None = None
     array: ArrayExtent = field(default_factory=ArrayExtent)
+    averages: AveragedRows | None = None
     is_screened: bool = False
 
     def __len__(self) -> int:
@@ -89,6 +93,7 @@ class Visibilities:
             stokes_i=self.stokes_i[rows],
             weights=self.weights[rows],
             integrations=integrations,
+            averages=None if self.averages is None else self.averages.select(rows),
             counts=None,
             hand_powers=None,
         )

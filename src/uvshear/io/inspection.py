@@ -82,6 +82,8 @@ class FieldContent:
     uvw_agrees
         Whether UVW, as it is read, is X(ANTENNA1) - X(ANTENNA2) by the antennas' positions; None if neither sign fits,
         or if this was not checked.
+    has_averages
+        Whether the rows are averages over cells of (u, v, w).
     """
 
     phase_centre: PhaseCentre
@@ -92,6 +94,7 @@ class FieldContent:
     weight_column: str = ""
     noise: NoiseEstimate | None = None
     uvw_agrees: bool | None = None
+    has_averages: bool = False
 
     @property
     def counts(self) -> SampleCounts:

@@ -14,6 +14,7 @@ from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.array_extent import ArrayExtent
 from uvshear.io.measurement_set.antennas import KnownAntennas, read_antennas
 from uvshear.io.measurement_set.array_size import array_size
+from uvshear.io.measurement_set.averaged_columns import has_averages
 from uvshear.io.measurement_set.averaging_time import averaging_notice, rows_beyond_interval
 from uvshear.io.measurement_set.column_types import check_types
 from uvshear.io.measurement_set.descriptions import DataDescription, read_descriptions
@@ -51,6 +52,8 @@ class Header:
         Antennas of the set.
     extent
         The extent of the array by the positions of its antennas.
+    has_averages
+        Whether the rows are averages over cells of (u, v, w), which have no antennas and no scans.
     """
 
     rows: int
@@ -62,6 +65,7 @@ class Header:
     beyond_interval: int = 0
     antennas: KnownAntennas = default(default_factory=KnownAntennas)
     extent: ArrayExtent = default(default_factory=ArrayExtent)
+    has_averages: bool = False
 
     @property
     def phase_centre(self) -> PhaseCentre:
@@ -111,11 +115,13 @@ def read_header(path: Path, column: str, field: int | str | None) -> Header:
                 averaging_notice=averaging_notice(
                     main,
                     _probed_rows(main),
-                    is_averaged=any(description.is_averaged for description in descriptions),
+                    is_averaged=not has_averages(main)
+                    and any(description.is_averaged for description in descriptions),
                 ),
                 beyond_interval=rows_beyond_interval(main),
                 antennas=antennas,
                 extent=array_size(main, antennas),
+                has_averages=has_averages(main),
             )
 
 

@@ -67,6 +67,7 @@ def _content(field: MeasurementSet) -> FieldContent:
         weight_column=field.header.weight_column,
         noise=noise,
         uvw_agrees=field.uvw_agrees(),
+        has_averages=field.header.has_averages,
     )
 
 

@@ -21,6 +21,7 @@ from uvshear.io.correlated_rows import (
     hands_slice,
     usable_chunks,
 )
+from uvshear.io.measurement_set.averaged_columns import read_averages
 from uvshear.io.measurement_set.averaging_time import averaging_time
 from uvshear.io.measurement_set.descriptions import DataDescription
 from uvshear.io.measurement_set.empty_cells import rows_without_value
@@ -76,6 +77,11 @@ class MeasurementSet:
 
     def __post_init__(self) -> None:
         header = read_header(Path(self.path), self.column, self.field)
+        if self.scans is not None and header.has_averages:
+            raise InputError(
+                f"{self.path}: scans cannot be chosen, because the rows are averages over cells of (u, v, w); choose"
+                " them when the averages are made (uvshear average --scans)"
+            )
         if self.scans is not None:
             check_scans(Path(self.path), self.scans)
         if self.subtracted is not None:
@@ -238,6 +244,10 @@ class _Reader:
             uvw, integrations, correlations[..., hands], weights[..., hands], flags[..., hands]
         )
         seen = found.combine(description.channels.frequency, description.averaged)
+        if self.header.has_averages:
+            with casacore_errors(self.path, "the columns of averages"):
+                # The width of the window is that of the sub-band.
+                seen = replace(seen, width=None, averages=read_averages(table, start, count))
         return replace(seen, array=self.header.extent)
 
     def _visibilities(

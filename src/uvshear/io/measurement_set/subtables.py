@@ -50,10 +50,10 @@ def write_subtables(path: Path, observation: SimulatedObservation, hands: Hands)
         "HISTORY": _history(observation),
     }
     for name, columns in contents.items():
-        _fill(path / name, columns)
+        fill_subtable(path / name, columns)
 
 
-def _fill(path: Path, columns: Mapping[str, object]) -> None:
+def fill_subtable(path: Path, columns: Mapping[str, object]) -> None:
     """Replace an empty table by one that has its rows from the start.
 
     Only then table.dat has their number. If rows are added later, only the file of the table's lock, table.lock, has

@@ -95,7 +95,7 @@ def write_measurement_set(
     target = Path(path)
     check_measurement_set_output(target, overwrite=overwrite)
     require_space(target, _size(observation))
-    with _casacore_errors(target), new_outputs(target) as outputs:
+    with casacore_errors_of_output(target), new_outputs(target) as outputs:
         unfinished = outputs.new(target, overwrite=overwrite)
         description = _create_twice(unfinished, observation)
         write_subtables(unfinished, observation, hands)
@@ -126,7 +126,8 @@ def check_measurement_set_output(target: Path, *, overwrite: bool) -> None:
 
 
 @contextmanager
-def _casacore_errors(target: Path) -> Iterator[None]:
+def casacore_errors_of_output(target: Path) -> Iterator[None]:
+    """Turn casacore's errors while a set is written into one line."""
     try:
         yield
     except (RuntimeError, OSError) as error:
@@ -170,9 +171,7 @@ def _create(path: Path, observation: SimulatedObservation, fixed: Sequence[str],
     tiled = _tiled(observation)
     description, managers = tables.required_ms_desc("MAIN"), {}
     for name, (example, kind, shape, item_bytes) in tiled.items():
-        managers[f"Tiled{name}"] = _tiled_manager(
-            name, shape, item_bytes, len(observation.coverage)
-        )
+        managers[f"Tiled{name}"] = tiled_manager(name, shape, item_bytes, len(observation.coverage))
         if name not in description:
             column = tables.makearrcoldesc(
                 name, example, ndim=len(shape), valuetype=kind, comment="One value a sample"
@@ -205,7 +204,8 @@ def _create(path: Path, observation: SimulatedObservation, fixed: Sequence[str],
         main.addrows(rows - 1)
 
 
-def _tiled_manager(column: str, shape: list[int], item_bytes: int, rows: int) -> dict[str, Any]:
+def tiled_manager(column: str, shape: list[int], item_bytes: int, rows: int) -> dict[str, Any]:
+    """Describe the storage of a tiled column of this number of rows."""
     tile_rows = _tile_rows(shape, item_bytes, rows)
     return {
         "TYPE": "TiledColumnStMan" if column in SAME_SHAPE_COLUMNS else "TiledShapeStMan",

@@ -1,0 +1,106 @@
+"""``uvshear average``: visibilities averaged over cells of (u, v, w), for a field of some width."""
+# ruff: noqa: PLC0415  (help must not wait for imports)
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from uvshear.cli.options import Overwrite, Threads, output_option, positive
+from uvshear.cli.outputs import reserve
+from uvshear.cli.panels import METHOD, RESOURCES, GroupedCommand
+from uvshear.cli.reading import (
+    ColumnOption,
+    ConjugateOption,
+    FieldOption,
+    ScansOption,
+    SubtractOption,
+    reading_of,
+)
+from uvshear.cli.terminal import say
+
+EPILOG = "Example: uvshear average FIELD.ms --field-arcmin 30 -o COMPACT.ms"
+
+SHORT = "Average visibilities over cells of (u, v, w) into a small Measurement Set."
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("average", epilog=EPILOG, short_help=SHORT, cls=GroupedCommand)(average)
+
+
+def average(
+    context: typer.Context,
+    measurement_sets: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FIELD.ms...",
+            help="Visibilities of one pointing, in one or more Measurement Sets or MSv4 stores (zarr).",
+        ),
+    ],
+    output: Annotated[Path, output_option("Measurement Set of the averages.")],
+    field_arcmin: Annotated[
+        float,
+        typer.Option(
+            callback=positive,
+            rich_help_panel=METHOD,
+            help="Width of the field in which sources will be measured: all of them should lie within half of it"
+            " from the phase centre. The cells are as large as it allows.",
+            show_default=False,
+        ),
+    ],
+    accuracy: Annotated[
+        float,
+        typer.Option(
+            callback=positive,
+            rich_help_panel=METHOD,
+            help="Error of the modelled loss, as a fraction of the flux of a source on the edge of the field.",
+        ),
+    ] = 2.5e-4,
+    column: ColumnOption = "DATA",
+    subtract: SubtractOption = None,
+    field: FieldOption = None,
+    scans: ScansOption = None,
+    conjugate: ConjugateOption = False,
+    overwrite: Overwrite = False,
+    threads: Threads = 0,
+    memory_gb: Annotated[
+        float | None,
+        typer.Option(
+            callback=positive,
+            rich_help_panel=RESOURCES,
+            help="Memory for the sums [GB]; by default half of the machine's memory. Where it is too small, some"
+            " cells have several rows.",
+        ),
+    ] = None,
+) -> None:
+    """Average visibilities over cells of (u, v, w), and write a Measurement Set with a row for each cell.
+
+    All samples in a cell become one row, whatever their baselines, times, channels and sets. `measure` models what the
+    average takes from the flux of each source, and other programs read the set like any other.
+    """
+    from uvshear.averaging.cells import Cells
+    from uvshear.constants import ARCMIN
+    from uvshear.execution import Resources, in_threads
+    from uvshear.io.measurement_set.writer import check_measurement_set_output
+    from uvshear.io.observations import open_observation
+    from uvshear.pipeline.average import average as average_observation
+
+    Cells.for_field(field_arcmin * ARCMIN, accuracy)
+    check_measurement_set_output(output, overwrite=overwrite)
+    reserve(context, [output], measurement_sets)
+    executor = in_threads(threads)
+    resources = Resources(executor) if memory_gb is None else Resources(executor, memory_gb * 1e9)
+    reading = reading_of(column, field, scans, conjugates=conjugate, subtracted=subtract)
+    averaged = average_observation(
+        open_observation(measurement_sets, reading),
+        output,
+        field_arcmin=field_arcmin,
+        accuracy=accuracy,
+        resources=resources,
+        overwrite=overwrite,
+    )
+    say(
+        f"{output}: {averaged.rows} rows from {averaged.samples} visibilities,"
+        f" {averaged.samples / averaged.rows:.3g} in each"
+    )

@@ -1,0 +1,31 @@
+"""Columns with which rows that are averages over cells of (u, v, w) describe their samples."""
+
+from typing import Final
+
+import numpy as np
+from casacore import tables
+
+from uvshear.interferometer.averaged_rows import AveragedRows
+
+FREQUENCY: Final = "UVSHEAR_FREQUENCY"
+"""Mean frequency [Hz]."""
+
+WIDTH: Final = "UVSHEAR_WIDTH"
+"""Mean width of the channels [Hz]."""
+
+COVARIANCE: Final = "UVSHEAR_COVARIANCE"
+"""Second moments of UVW: uu, uv, uw, vv, vw, ww [m^2]."""
+
+
+def has_averages(main: tables.table) -> bool:
+    """Tell whether the rows of a set are such averages."""
+    return {FREQUENCY, WIDTH, COVARIANCE} <= set(main.colnames())
+
+
+def read_averages(main: tables.table, start: int, count: int) -> AveragedRows:
+    """Read the columns of some rows."""
+    frequency, width, covariance = (
+        np.asarray(main.getcol(name, start, count), float)
+        for name in (FREQUENCY, WIDTH, COVARIANCE)
+    )
+    return AveragedRows(frequency, width, covariance)

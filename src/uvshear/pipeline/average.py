@@ -1,0 +1,100 @@
+"""The averages of an observation over cells of (u, v, w), in a Measurement Set that is measured like any other."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from uvshear.averaging.averager import Averager
+from uvshear.averaging.cells import ACCURACY, Cells
+from uvshear.averaging.dish_pairs import DishPairs
+from uvshear.constants import ARCMIN
+from uvshear.errors import InputError
+from uvshear.execution import Resources
+from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.accumulate import show
+from uvshear.interferometer.dishes import HasDishes, dish_diameters, pointing_of
+from uvshear.interferometer.origin import origin_of, parts_of
+from uvshear.interferometer.visibilities import Observation, Visibilities
+from uvshear.io.measurement_set.averages_writer import AveragedField, new_averages
+from uvshear.pipeline.observation import ObservationLike, observation_of
+
+
+@dataclass(frozen=True)
+class Averaged:
+    """Numbers of samples with weight, and of the rows that they have become."""
+
+    samples: int
+    rows: int
+
+
+def average(
+    visibilities: ObservationLike,
+    output: str | Path,
+    *,
+    field_arcmin: float,
+    accuracy: float = ACCURACY,
+    resources: Resources | None = None,
+    overwrite: bool = False,
+) -> Averaged:
+    """Average an observation over cells of (u, v, w), and write the averages as a Measurement Set.
+
+    Parameters
+    ----------
+    visibilities
+        An observation, or the path or paths of its files.
+    output
+        Path of the Measurement Set.
+    field_arcmin
+        Width of the field in which sources will be measured [arcmin].
+    accuracy
+        Error of the modelled loss of a source at the edge of the field.
+    resources
+        Workers, and memory for the sums.
+    overwrite
+        Whether a Measurement Set that exists is replaced.
+
+    Returns
+    -------
+    Averaged
+        Numbers of samples and rows.
+    """
+    cells = Cells.for_field(field_arcmin * ARCMIN, accuracy)
+    resources = resources or Resources()
+    observation = observation_of(visibilities)
+    pairs = DishPairs.from_diameters(_diameters(observation))
+    about = AveragedField(observation.phase_centre, _pointing(observation), pairs, cells)
+    with new_averages(Path(output), about, overwrite=overwrite) as writer:
+        averager = Averager(cells, pairs, writer.add, resources)
+        show(_samples(observation), [averager])
+        samples = averager.result()
+        names = ", ".join(origin_of(part).name for part in parts_of(observation))
+        writer.finish(f"averages over cells of {cells.uv:.4g} x {cells.w:.4g} wavelengths: {names}")
+    return Averaged(samples, writer.rows)
+
+
+def _samples(observation: Observation) -> Iterator[Visibilities]:
+    for part in parts_of(observation):
+        for seen in part.chunks():
+            if seen.averages is not None:
+                raise InputError(
+                    f"{origin_of(part).name}: holds averages already; average the set that it was made from"
+                )
+            yield seen
+
+
+def _diameters(observation: Observation) -> np.ndarray:
+    known = all(
+        isinstance(origin_of(part).observation, HasDishes) for part in parts_of(observation)
+    )
+    diameters = dish_diameters(observation) if known else np.zeros(0)
+    return diameters if len(diameters) else np.zeros(1)
+
+
+def _pointing(observation: Observation) -> PhaseCentre:
+    seen = origin_of(parts_of(observation)[0]).observation
+    if not isinstance(seen, HasDishes):
+        return observation.phase_centre
+    pointing_of(observation)
+    return seen.pointing_direction()
