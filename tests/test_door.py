@@ -46,6 +46,10 @@ TASKS = {
         content = uvshear.inspect("FIELD.ms")
         print(content.telescope.name, content.fields[0].counts.usable)
     """,
+    "average": """
+        averaged = uvshear.average("FIELD.ms", "compact.ms", field_arcmin=10)
+        print(averaged.samples / averaged.rows)
+    """,
     "measure": """
         keep = "moments,bayesian,metacal"
         m = uvshear.measure("FIELD.ms", "CAT.fits", keep=keep)

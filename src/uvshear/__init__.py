@@ -15,8 +15,9 @@ Measure
     ``InputError`` is raised for wrong inputs.
 Visibilities
     ``open_observation`` opens the part of files that a ``Reading`` selects, ``inspect`` summarises a file, and
-    ``scaled_to_its_noise`` takes the noise from the scatter of the data. ``VisibilitySet`` holds ``Visibilities`` in
-    memory about a ``PhaseCentre``.
+    ``scaled_to_its_noise`` takes the noise from the scatter of the data. ``average`` writes a Measurement Set of the
+    averages of an observation over cells of (u, v, w), which is measured like any other. ``VisibilitySet`` holds
+    ``Visibilities`` in memory about a ``PhaseCentre``.
 Catalogues
     ``read_catalogue`` and ``write_catalogue`` read and write the file of a ``Catalogue``; ``catalogue_from_galaxies``
     makes one of simulated galaxies.
@@ -154,6 +155,7 @@ if TYPE_CHECKING:
     from uvshear.io.readers import Reader
     from uvshear.io.reading import Reading
     from uvshear.io.shear_records import write_shear
+    from uvshear.pipeline.average import average
     from uvshear.pipeline.measure import measure
     from uvshear.pipeline.measurement import Measurement, read_measurement
     from uvshear.pipeline.shear import estimate_shear
@@ -203,6 +205,7 @@ _HOMES = {
     "io.readers": "Reader",
     "io.reading": "Reading",
     "io.shear_records": "write_shear",
+    "pipeline.average": "average",
     "pipeline.measure": "measure",
     "pipeline.measurement": "Measurement read_measurement",
     "pipeline.shear": "estimate_shear",
@@ -291,6 +294,7 @@ __all__ = [
     "VisibilitySet",
     "Weighting",
     "__version__",
+    "average",
     "catalogue_from_galaxies",
     "draw_population",
     "estimate_bias",

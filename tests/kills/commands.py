@@ -51,6 +51,10 @@ COMMANDS: Mapping[str, Command] = {
         "psf in.ms --pixel-arcsec 0.5 --threads 1 -o psf.png --uv-output uv.png",
         ("psf.png", "uv.png"),
     ),
+    "average": Command(
+        "average in.ms --field-arcmin 4 --threads 1 -o compact.ms",
+        ("compact.ms",),
+    ),
     "measure": Command(
         "measure in.ms --catalogue cat.fits --keep moments --threads 1 -o out.fits",
         ("out.stats.fits", "out.sky.fits", "out.fits"),
