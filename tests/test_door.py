@@ -128,6 +128,7 @@ def test_the_work_of_a_command_is_a_few_lines_of_python(
         "layouts": {"vla-a.png"},
         "catalogue": {"drawn.fits"},
         "simulate": {"simulated.ms"},
+        "average": {"compact.ms"},
         "shear": {f"{name}.json" for name in ("mean", "moments", "bayesian", "metacal")},
         "bias": {"BIAS.json"},
         "measure": {"SHAPES.fits", "SHAPES.stats.fits", "SHAPES.sky.fits"},

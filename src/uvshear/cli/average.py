@@ -21,7 +21,7 @@ from uvshear.cli.terminal import say
 
 EPILOG = "Example: uvshear average FIELD.ms --field-arcmin 30 -o COMPACT.ms"
 
-SHORT = "Average visibilities over cells of (u, v, w) into a small Measurement Set."
+SHORT = "Average visibilities over cells into a small Measurement Set."
 
 
 def register(app: typer.Typer) -> None:
