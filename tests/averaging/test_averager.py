@@ -42,9 +42,8 @@ def _seen(rows: int = 400, seed: int = 1, longest: float = 300.0) -> Visibilitie
 def _averaged(chunks, resources=BOUNDLESS, pairs=ALIKE, cells=CELLS):
     found = []
     averager = Averager(cells, pairs, lambda *one: found.append(one), resources)
-    for chunk in chunks:
-        averager.add(chunk)
-    return found, averager.result()
+    averager.add(chunks)
+    return found, averager.finish()
 
 
 def _expected(seen: Visibilities):
@@ -151,10 +150,10 @@ def test_parts_that_are_merged_are_the_whole() -> None:
         Averager(CELLS, ALIKE, lambda *one: found.append(one), Resources(SERIAL, math.inf))
         for _ in range(2)
     )
-    first.add(seen.of_rows(slice(9000)))
-    later.add(seen.of_rows(slice(9000, None)))
+    first.add([seen.of_rows(slice(9000))])
+    later.add([seen.of_rows(slice(9000, None))])
     first.merge(later)
-    assert first.result() == np.count_nonzero(seen.weights)
+    assert first.finish() == np.count_nonzero(seen.weights)
     for (group, averages), (group_too, others) in zip(found, whole, strict=True):
         assert group == group_too
         np.testing.assert_allclose(averages.weights, others.weights, rtol=1e-12)

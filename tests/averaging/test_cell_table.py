@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from uvshear.averaging.cell_table import SMALLEST, CellTable
+from uvshear.averaging.cell_table import SMALLEST, CellTable, RowsToAverage
 from uvshear.averaging.cells import Cells
 from uvshear.averaging.sub_bands import SubBand
 from uvshear.interferometer.visibilities import Visibilities
@@ -12,14 +12,15 @@ BAND = SubBand(218)
 CELLS = Cells(10.0, 100.0)
 
 
-def _seen(uvw) -> Visibilities:
+def _seen(uvw) -> RowsToAverage:
     rows = len(uvw)
-    return Visibilities(
+    seen = Visibilities(
         uvw=np.array(uvw, float),
         frequency=np.array([BAND.frequency]),
         stokes_i=np.ones((rows, 1), np.complex64),
         weights=np.ones((rows, 1), np.float32),
     )
+    return RowsToAverage.from_visibilities(seen)
 
 
 def _far_apart(count: int) -> np.ndarray:

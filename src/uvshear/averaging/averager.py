@@ -1,17 +1,17 @@
 """A pass over an observation that averages it over cells of (u, v, w)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Self, TypeAlias
 
 import numpy as np
 
-from uvshear.averaging.cell_table import BYTES_PER_CELL, Averages, CellTable
+from uvshear.averaging.cell_table import BYTES_PER_CELL, Averages, CellTable, RowsToAverage
 from uvshear.averaging.cells import Cells
 from uvshear.averaging.dish_pairs import DishPairs
 from uvshear.averaging.sub_bands import SubBand
-from uvshear.execution import Resources
-from uvshear.interferometer.accumulate import Accumulator
+from uvshear.execution import Promise, Resources
+from uvshear.interferometer.screening import screened
 from uvshear.interferometer.visibilities import Visibilities
 
 
@@ -26,8 +26,11 @@ class Group:
 Sink: TypeAlias = Callable[[Group, Averages], None]
 """Function that takes averages of a group, once or more often."""
 
+_Full: TypeAlias = list[Averages]
+"""Averages of tables for which there was no more memory."""
 
-class Averager(Accumulator[int]):
+
+class Averager:
     """Averages over cells, which are given to a function when they are complete or when the memory is full.
 
     In the second case later samples of the same cells are averaged on their own, and the result has more rows.
@@ -50,28 +53,17 @@ class Averager(Accumulator[int]):
         self._executor = resources.executor
         self._most = resources.memory / BYTES_PER_CELL
         self._tables: dict[Group, CellTable] = {}
+        self._last: dict[Group, Promise[_Full]] = {}
         self._samples = 0
 
-    def add(self, seen: Visibilities) -> None:
-        """Add a chunk."""
-        self._samples += int(np.count_nonzero(seen.weights > 0))
-        parts = self._pairs.divided(seen)
-        bands = SubBand.of_channels(seen.frequency)
-        waiting = {Group(band, pair): 0 for band in bands for pair in parts}
-        for group in waiting:
-            self._tables.setdefault(group, CellTable(self._cells, group.band))
+    def add(self, chunks: Iterable[Visibilities]) -> None:
+        """Add chunks; the next ones are read while workers add the last ones.
 
-        def work(group: Group) -> int:
-            return self._tables[group].add(parts[group.pair], waiting[group])
-
-        while waiting:
-            groups = list(waiting)
-            for group, row in zip(groups, list(self._executor.map(work, groups)), strict=True):
-                if row == len(parts[group.pair]):
-                    del waiting[group]
-                else:
-                    waiting[group] = row
-                    self._make_room(group)
+        Samples that cannot be right are left out (``screening``).
+        """
+        for group, full in self._executor.map(_work, self._tasks(chunks)):
+            for averages in full:
+                self._sink(group, averages)
 
     def merge(self, later: Self) -> None:
         """Add the sums over later visibilities."""
@@ -79,18 +71,54 @@ class Averager(Accumulator[int]):
         for group, table in later._tables.items():
             self._tables.setdefault(group, CellTable(self._cells, group.band)).add_cells(table)
 
-    def result(self) -> int:
+    def finish(self) -> int:
         """Give away all averages, and return the number of samples that they are made of."""
         for group in sorted(self._tables, key=lambda group: (group.band.number, group.pair)):
             if len(table := self._tables[group]):
                 self._sink(group, table.taken())
         return self._samples
 
-    def _make_room(self, group: Group) -> None:
-        table = self._tables[group]
+    def _tasks(self, chunks: Iterable[Visibilities]) -> Iterator["_Task"]:
+        for seen in map(screened, chunks):
+            self._samples += int(np.count_nonzero(seen.weights > 0))
+            bands = SubBand.of_channels(seen.frequency)
+            for pair, part in self._pairs.divided(seen).items():
+                rows = RowsToAverage.from_visibilities(part)
+                for band in bands:
+                    group, done = Group(band, pair), Promise[_Full]()
+                    table = self._tables.setdefault(group, CellTable(self._cells, band))
+                    # Tables that come later have no influence, nor has the order in which workers finish.
+                    most = self._most / len(self._tables)
+                    yield _Task(group, table, rows, most, self._last.get(group), done)
+                    self._last[group] = done
+
+
+@dataclass(frozen=True)
+class _Task:
+    """Samples that are added to a table, after those of the previous task for this table."""
+
+    group: Group
+    table: CellTable
+    rows: RowsToAverage
+    most: float
+    before: "Promise[_Full] | None"
+    done: "Promise[_Full]"
+
+
+def _work(task: _Task) -> tuple[Group, _Full]:
+    if task.before is not None:
+        task.before.value()
+    task.done.keep(lambda: _added(task))
+    return task.group, task.done.value()
+
+
+def _added(task: _Task) -> _Full:
+    full: _Full = []
+    row = 0
+    while (row := task.table.add(task.rows, row)) < len(task.rows):
         # While a table grows, its old memory is still in use.
-        needed = sum(each.room for each in self._tables.values()) + 2 * table.room
-        if needed > self._most and len(table):
-            self._sink(group, table.taken())
+        if 3 * task.table.room > task.most and len(task.table):
+            full.append(task.table.taken())
         else:
-            table.grow()
+            task.table.grow()
+    return full

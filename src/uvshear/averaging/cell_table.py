@@ -53,6 +53,36 @@ class Averages:
         return len(self.uvw)
 
 
+@dataclass(frozen=True)
+class RowsToAverage:
+    """Visibilities as the kernels take them.
+
+    Parameters
+    ----------
+    seen
+        The visibilities.
+    uvw
+        Baselines [m].
+    integrations
+        Time and length of each integration [s]; 0 where they are not known.
+    """
+
+    seen: Visibilities
+    uvw: Float[Array, "row 3"]
+    integrations: Float[Array, "row 2"]
+
+    @classmethod
+    def from_visibilities(cls, seen: Visibilities) -> Self:
+        """Prepare some rows."""
+        integrations, taken = np.zeros((len(seen), 2)), seen.integrations
+        if taken is not None:
+            integrations = np.column_stack([taken.time, taken.interval]).astype(float)
+        return cls(seen, np.ascontiguousarray(seen.uvw, float), integrations)
+
+    def __len__(self) -> int:
+        return len(self.seen)
+
+
 class CellTable:
     """Sums over the samples of a sub-band, cell by cell.
 
@@ -77,22 +107,19 @@ class CellTable:
         """Number of cells for which there is memory."""
         return len(self._keys)
 
-    def add(self, seen: Visibilities, first: int) -> int:
+    def add(self, rows: RowsToAverage, first: int) -> int:
         """Add the samples of the sub-band from a row on, and return the first row for which there was no room."""
+        seen = rows.seen
         chosen = self._band.channels(seen.frequency)
         if not len(chosen):
             return len(seen)
         self._check(seen, first)
         width = np.zeros(len(seen.frequency)) if seen.width is None else seen.width
-        taken = seen.integrations
-        integrations = np.zeros((len(seen), 2))
-        if taken is not None:
-            integrations = np.column_stack([taken.time, taken.interval])
         frequency = seen.frequency[chosen]
         row, self._count = kernels.add_samples(
             first,
-            np.ascontiguousarray(seen.uvw, float),
-            integrations,
+            rows.uvw,
+            rows.integrations,
             seen.stokes_i,
             seen.weights,
             chosen,

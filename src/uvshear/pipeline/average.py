@@ -13,7 +13,6 @@ from uvshear.constants import ARCMIN
 from uvshear.errors import InputError
 from uvshear.execution import Resources
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.accumulate import show
 from uvshear.interferometer.dishes import HasDishes, dish_diameters, pointing_of
 from uvshear.interferometer.origin import origin_of, parts_of
 from uvshear.interferometer.visibilities import Observation, Visibilities
@@ -67,8 +66,8 @@ def average(
     about = AveragedField(observation.phase_centre, _pointing(observation), pairs, cells)
     with new_averages(Path(output), about, overwrite=overwrite) as writer:
         averager = Averager(cells, pairs, writer.add, resources)
-        show(_samples(observation), [averager])
-        samples = averager.result()
+        averager.add(_samples(observation))
+        samples = averager.finish()
         names = ", ".join(origin_of(part).name for part in parts_of(observation))
         writer.finish(f"averages over cells of {cells.uv:.4g} x {cells.w:.4g} wavelengths: {names}")
     return Averaged(samples, writer.rows)
