@@ -138,7 +138,7 @@ def simulate(path: Path, catalogue: Path, words: str) -> Path:
 
 def measured(path: Path, catalogue: Path) -> Table:
     """Measure with sizes from the catalogue."""
-    output = path.with_suffix(".fits")
+    output = path.with_name(f"{path.stem}-shapes.fits")
     run("measure", path, "--catalogue", catalogue, "--size-prior", "catalogue", "-o", output)
     return Table.read(output)
 
