@@ -24,7 +24,7 @@ class Group:
 
 
 Sink: TypeAlias = Callable[[Group, Averages], None]
-"""Function that takes averages of a group, once or more often."""
+"""Function that takes averages of a group, possibly several times."""
 
 _Full: TypeAlias = list[Averages]
 """Averages of tables for which there was no more memory."""
@@ -72,7 +72,7 @@ class Averager:
             self._tables.setdefault(group, CellTable(self._cells, group.band)).add_cells(table)
 
     def finish(self) -> int:
-        """Give away all averages, and return the number of samples that they are made of."""
+        """Pass all remaining averages on, and return the number of samples that all averages are made of."""
         for group in sorted(self._tables, key=lambda group: (group.band.number, group.pair)):
             if len(table := self._tables[group]):
                 self._sink(group, table.taken())

@@ -14,8 +14,8 @@ from uvshear.interferometer.visibilities import Visibilities
 from uvshear.typing import Array, Complex, Float, Int
 
 COLUMNS: Final = 16
-"""Number of sums of a cell, each weighted but the first: 1, real and imaginary part of the visibility, three
-coordinates, their six products, frequency, width, time and interval."""
+"""Number of weighted sums of a cell: of 1, of the real and imaginary parts of the visibility, of three coordinates and
+their six products, of the frequency, of Δν/ν, and of the time and the length of the integration."""
 
 BYTES_PER_CELL: Final = 8 * COLUMNS + 8 + 2 * 4
 """Memory of a cell: its sums, its key, and two hashes."""

@@ -1,4 +1,4 @@
-"""Cells of (u, v, w) in which the phases of all sources of a field hardly vary."""
+"""Cells of (u, v, w) so small that the loss of amplitude of all sources of a field is modelled accurately."""
 
 import math
 from dataclasses import dataclass
@@ -7,7 +7,8 @@ from typing import Final, Self
 from uvshear.errors import InputError
 
 ACCURACY: Final = 2.5e-4
-"""Default error of the loss of a source at the edge of the field: half a cell turns its phase by 0.46 rad."""
+"""Default error of the modelled loss of a source at the edge of the field, for each axis along which its phase varies:
+half a cell turns the phase by 0.46 rad."""
 
 LEAST_ACCURATE: Final = 0.1
 """Largest error of the loss that may be asked for: half a cell turns the phase by 2.1 rad."""
@@ -46,7 +47,8 @@ class Cells:
         width
             Width of the field [rad]; sources are at most half as far from the phase centre.
         accuracy
-            Error of the loss at the edge of the field.
+            Error of the modelled loss at the edge of the field, for each axis along which the phase varies that much. A
+            row of few samples, which are not spread evenly, may have a larger error.
         """
         if not 0 < width <= WIDEST_FIELD:
             raise InputError(

@@ -1,6 +1,6 @@
 """Numba kernels of the sums over cells of (u, v, w).
 
-A table of cells is an open-addressing hash table: ``places`` holds for each hash the number of a cell or -1. The cells
+A table of cells is an open-addressing hash table: ``places`` holds the number of a cell or -1 in each slot. The cells
 are numbered in the order in which they are met. Columns of ``sums`` are those of ``cell_table.COLUMNS``.
 """
 
@@ -71,7 +71,7 @@ def add_samples(  # type: ignore[no-untyped-def]
     chosen
         Numbers of the channels.
     per_metre
-        Wavelengths per metre of each chosen channel, over those of the middle of the band.
+        Frequency of each chosen channel, over that in the middle of the sub-band.
     relative_width
         Width over frequency of each chosen channel.
     size

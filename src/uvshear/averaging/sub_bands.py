@@ -10,8 +10,8 @@ from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.typing import Array, Float, Int
 
 RATIO: Final = 1.1
-"""Ratio of the limits of a sub-band. It is the same for all observations, so that their sub-bands agree: an octave has
-eight or nine of them."""
+"""Ratio of the limits of a sub-band. It is the same for all observations, so that their sub-bands agree: an octave
+overlaps eight or nine of them."""
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ def average(
             callback=positive,
             rich_help_panel=METHOD,
             help="Width of the field in which sources will be measured: all of them should lie within half of it"
-            " from the phase centre. The cells are as large as it allows.",
+            " from the phase centre. A wider field needs smaller cells.",
             show_default=False,
         ),
     ],
@@ -54,7 +54,9 @@ def average(
         typer.Option(
             callback=positive,
             rich_help_panel=METHOD,
-            help="Error of the modelled loss, as a fraction of the flux of a source on the edge of the field.",
+            help="Error of the modelled loss, as a fraction of the flux of a source on the edge of the field. By"
+            " default the errors of shapes grow by up to 3 % there; with 3e-6 they grow by 0.1 %, and there are about"
+            " four times as many rows.",
         ),
     ] = 2.5e-4,
     column: ColumnOption = "DATA",
@@ -76,8 +78,9 @@ def average(
 ) -> None:
     """Average visibilities over cells of (u, v, w), and write a Measurement Set with a row for each cell.
 
-    All samples in a cell become one row, whatever their baselines, times, channels and sets. `measure` models what the
-    average takes from the flux of each source, and other programs read the set like any other.
+    All samples in a cell become one row, whatever their antennas, times, channels and sets; only sub-bands of 10 % and
+    pairs of different dishes stay apart. `measure` models the loss of amplitude in the cells. Other programs can image
+    the set, but do not model this loss. UVW must not be recomputed, nor antennas be calibrated.
     """
     from uvshear.averaging.cells import Cells
     from uvshear.constants import ARCMIN

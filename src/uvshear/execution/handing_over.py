@@ -1,4 +1,4 @@
-"""Objects that are handed over to copies of this process that were made before the objects were."""
+"""Handing objects over to copies of this process that already existed when the objects were created."""
 
 import pickle
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ class _Piece:
     size: int
 
     def memory(self) -> memoryview:
-        """Return them in a copy."""
+        """Return the bytes; it is called in a copy."""
         return inherited_region().at(self.place, self.size)
 
 
@@ -52,7 +52,8 @@ def hand_over(content: Any) -> tuple[HandedOver, Array]:
     """Place an object in the common region, for all copies.
 
     Contiguous arrays that lie there already (``shared_zeros``) are shared: all processes see what any of them writes.
-    Other arrays become independent copies.
+    Other large arrays are duplicated once into the region: the duplicates are independent of the originals, and all
+    copies of the process share them. Small arrays are pickled.
 
     Returns
     -------

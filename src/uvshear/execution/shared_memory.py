@@ -65,7 +65,7 @@ class Region:
         self._address = self._bytes.ctypes.data
         self._free = [(0, size)]
         self._lock = Lock()
-        # Arrays may be released while this process holds the lock, by the collector of garbage.
+        # The garbage collector may release arrays while this process holds the lock.
         self._released = deque[tuple[int, int]]()
 
     def zeros(self, size: int) -> Array:
@@ -106,7 +106,7 @@ class Region:
         raise MemoryError(f"{pages} bytes of shared memory")
 
     def _release(self, start: int, end: int) -> None:
-        # A copy that no longer uses an array says nothing of the others.
+        # That a copy no longer uses an array does not mean that the other processes have finished with it.
         if os.getpid() == self.owner:
             self._memory.madvise(mmap.MADV_REMOVE, start, end - start)
             self._released.append((start, end))
@@ -131,7 +131,7 @@ _reserved: list[Region] = []
 def reserve_region() -> bool:
     """Let shared arrays of this process lie in a common region from now on; tell whether the system allows it.
 
-    Its addresses are as many as the machine has bytes of memory; they occupy none until they are written.
+    It is as long as the machine's physical memory; its pages occupy memory only once they are written.
     """
     if common_region() is None:
         try:

@@ -18,8 +18,7 @@ class AveragedRows:
     frequency
         Mean frequency of the samples [Hz].
     width
-        Mean of the bands over which the samples themselves were averaged, in units of their frequencies, times the mean
-        frequency [Hz].
+        Mean of Δν/ν of the samples, where Δν is the width of a channel, times the mean frequency [Hz].
     covariance
         Second moments of the samples' baselines about their mean (``MOMENTS``), in the unit of the rows' UVW [m^2].
     """

@@ -11,7 +11,7 @@ FREQUENCY: Final = "UVSHEAR_FREQUENCY"
 """Mean frequency [Hz]."""
 
 WIDTH: Final = "UVSHEAR_WIDTH"
-"""Mean width of the channels [Hz]."""
+"""Mean of Δν/ν of the samples times their mean frequency [Hz]."""
 
 COVARIANCE: Final = "UVSHEAR_COVARIANCE"
 """Second moments of UVW: uu, uv, uw, vv, vw, ww [m^2]."""

@@ -1,4 +1,4 @@
-"""Write averages over cells of (u, v, w) as a Measurement Set that other programs read like any other.
+"""Write averages over cells of (u, v, w) as a Measurement Set that other programs can image.
 
 Each row has one channel, in the spectral window of its sub-band, and one correlation, Stokes I. Baselines are in metres
 at the frequency of the sub-band. Three columns are this package's own: the mean frequency and width of the samples of
@@ -46,7 +46,7 @@ _TILED: Final[dict[str, tuple[Any, str, list[int], int]]] = {
     "UVW": (0.0, "double", [3], 8),
     COVARIANCE: (0.0, "float", [6], 4),
 }
-"""An example, the type, the shape and the bytes of a number of the cells of each tiled column."""
+"""For each tiled column: an example of a number, its type, the shape of the column's values, and bytes per number."""
 
 _ROW_COLUMNS: Final = ("TIME", "TIME_CENTROID", "EXPOSURE", "INTERVAL", FREQUENCY, WIDTH)
 _REPEATED: Final = ("ANTENNA1", "ANTENNA2", "DATA_DESC_ID")
@@ -132,7 +132,7 @@ class AveragesWriter:
 def new_averages(
     target: Path, about: AveragedField, *, overwrite: bool = False
 ) -> Iterator[AveragesWriter]:
-    """Yield a writer of a Measurement Set, which gets its name at the end of the block, if all went well."""
+    """Yield a writer of a Measurement Set, which gets its final name at the end of the block if no error occurred."""
     check_measurement_set_output(target, overwrite=overwrite)
     with casacore_errors_of_output(target), new_outputs(target) as outputs:
         unfinished = outputs.new(target, overwrite=overwrite)
