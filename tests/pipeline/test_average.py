@@ -7,7 +7,7 @@ import pytest
 from casacore import tables
 
 from tests.io.measurement_sets import written
-from tests.pipeline.fields import catalogue_of_sky
+from tests.pipeline.fields import catalogue_of_sky, vla_field
 from tests.skies import galaxies
 from uvshear.constants import ARCMIN, ARCSEC
 from uvshear.errors import InputError
@@ -121,6 +121,15 @@ def test_averages_are_not_averaged_again(seen, tmp_path):
 def test_averages_have_no_scans(seen):
     with pytest.raises(InputError, match="scans cannot be chosen"):
         open_observation(seen.path, Reading(scans=(1,)))
+
+
+def test_without_a_weight_there_is_nothing_to_average(tmp_path):
+    field = vla_field()
+    blocks = [replace(part, weights=0 * part.weights) for part in field.observation.blocks]
+    nothing = replace(field.observation, blocks=tuple(blocks))
+    with pytest.raises(InputError, match="no visibility carries weight"):
+        average(nothing, tmp_path / "compact.ms", field_arcmin=20, resources=SERIAL)
+    assert not list(tmp_path.iterdir())
 
 
 def test_flagged_samples_do_not_count(tmp_path):

@@ -68,6 +68,8 @@ def average(
         averager = Averager(cells, pairs, writer.add, resources)
         averager.add(_samples(observation))
         samples = averager.finish()
+        if not samples:
+            raise InputError("no visibility carries weight; there is nothing to average")
         names = ", ".join(origin_of(part).name for part in parts_of(observation))
         writer.finish(f"averages over cells of {cells.uv:.4g} x {cells.w:.4g} wavelengths: {names}")
     return Averaged(samples, writer.rows)
