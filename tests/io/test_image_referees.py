@@ -19,9 +19,11 @@ from uvshear.execution import in_threads
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.imaging import ImageGrid
+from uvshear.interferometer.averaged_rows import MOMENTS
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.noise import ScaledNoise
+from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.weighting import (
     Briggs,
@@ -32,6 +34,7 @@ from uvshear.interferometer.weighting import (
 )
 from uvshear.io.measurement_set.writer import write_measurement_set
 from uvshear.io.observations import open_observation
+from uvshear.pipeline.average import average
 from uvshear.simulation.observation import SimulatedObservation
 
 pytestmark = pytest.mark.referee
@@ -218,3 +221,50 @@ def test_position_angles_are_pybdsf_s(tmp_path):
         ratio = source["DC_Min"] / source["DC_Maj"]
         modulus = math.hypot(e1, e2)
         assert ratio == pytest.approx((1 - modulus) / (1 + modulus), abs=0.01)
+
+
+def _dirty(path, *options):
+    """Return wsclean's dirty image of a set with natural weights, or its PSF."""
+    wsclean = shutil.which("wsclean")
+    assert wsclean is not None, "wsclean is missing: make test-referees installs it"
+    command = [wsclean, "-quiet", "-j", "2", "-no-update-model-required", "-use-wgridder"]
+    command += ["-wgridder-accuracy", "1e-5", "-weight", "natural", "-name", path.stem, "-reorder"]
+    command += ["-size", "512", "512", "-scale", "2asec", *options, path.name]
+    subprocess.run(command, cwd=path.parent, check=True, timeout=600)
+    kind = "psf" if "-make-psf-only" in options else "dirty"
+    return fits.getdata(path.with_name(f"{path.stem}-{kind}.fits"))[0, 0].astype(float)
+
+
+def test_averages_show_a_point_where_it_was_and_as_faint_as_their_loss_tells(tmp_path):
+    track = Track.from_clock(PHASE_CENTRE, ((-3600.0, 3600.0),), 60.0)
+    place = np.array([200, -150]) * 2 * ARCSEC
+    path, compact = tmp_path / "field.ms", tmp_path / "compact.ms"
+    observation = SimulatedObservation(
+        coverage=synthesise(load_layout("meerkat"), track),
+        channels=Channels.from_band(1.3e9, 1.5e9, 8),
+        galaxies=_galaxies([place[0]], [place[1]], [1.0], [0.0], [0]),
+        profile=Exponential(),
+        noise=ScaledNoise(1e-2),
+        seed=None,
+    )
+    write_measurement_set(path, observation)
+    averaged = average(path, compact, field_arcmin=16.7)
+    assert averaged.rows < averaged.samples / 4
+    direction = np.array([*place, math.sqrt(1 - place @ place) - 1])
+    lost = weights = 0.0
+    for seen in open_observation(compact).chunks():
+        samples = Samples.from_visibilities(seen, 0.0, math.inf)
+        moments = samples.covariance.astype(float)
+        form = np.array([direction[a] * direction[b] * (1 if a == b else 2) for a, b in MOMENTS])
+        lost += float(samples.weights @ (1 - np.exp(-2 * math.pi**2 * (moments @ form))))
+        weights += float(samples.weights.sum())
+    loss = lost / weights
+    assert loss > 0.01
+    images = [_dirty(one, "-niter", "0") for one in (path, compact)]
+    row, column = 256 + round(place[1] / (2 * ARCSEC)), 256 - round(place[0] / (2 * ARCSEC))
+    for image in images:
+        assert np.unravel_index(np.argmax(image), image.shape) == (row, column)
+    before, after = (image[row, column] for image in images)
+    assert after / before == pytest.approx(1 - loss, abs=1e-3)
+    beams = [_dirty(one, "-make-psf-only") for one in (path, compact)]
+    np.testing.assert_allclose(beams[1], beams[0], rtol=0, atol=1e-3)
