@@ -20,7 +20,7 @@ from uvshear.interferometer.visibilities import Integrations, Visibilities
 CELLS = Cells(40.0, 300.0)
 FREQUENCY = np.linspace(0.9e9, 1.3e9, 7)
 BOUNDLESS = Resources(SERIAL, math.inf)
-ALIKE = DishPairs.from_diameters(np.full(5, 13.5))
+(ALIKE,) = DishPairs.from_diameters([np.full(5, 13.5)])
 
 
 def _seen(rows: int = 400, seed: int = 1, longest: float = 300.0) -> Visibilities:
@@ -41,8 +41,8 @@ def _seen(rows: int = 400, seed: int = 1, longest: float = 300.0) -> Visibilitie
 
 def _averaged(chunks, resources=BOUNDLESS, pairs=ALIKE, cells=CELLS):
     found = []
-    averager = Averager(cells, pairs, lambda *one: found.append(one), resources)
-    averager.add(chunks)
+    averager = Averager(cells, lambda *one: found.append(one), resources)
+    averager.add(chunks, pairs)
     return found, averager.finish()
 
 
@@ -147,11 +147,11 @@ def test_parts_that_are_merged_are_the_whole() -> None:
     seen = _seen(20_000)
     (whole, _), found = _averaged([seen]), []
     first, later = (
-        Averager(CELLS, ALIKE, lambda *one: found.append(one), Resources(SERIAL, math.inf))
+        Averager(CELLS, lambda *one: found.append(one), Resources(SERIAL, math.inf))
         for _ in range(2)
     )
-    first.add([seen.of_rows(slice(9000))])
-    later.add([seen.of_rows(slice(9000, None))])
+    first.add([seen.of_rows(slice(9000))], ALIKE)
+    later.add([seen.of_rows(slice(9000, None))], ALIKE)
     first.merge(later)
     assert first.finish() == np.count_nonzero(seen.weights)
     for (group, averages), (group_too, others) in zip(found, whole, strict=True):
@@ -161,7 +161,7 @@ def test_parts_that_are_merged_are_the_whole() -> None:
 
 
 def test_pairs_of_different_dishes_are_averaged_apart() -> None:
-    pairs = DishPairs.from_diameters(np.array([13.5, 15.0, 13.5, 15.0, 15.0]))
+    (pairs,) = DishPairs.from_diameters([np.array([13.5, 15.0, 13.5, 15.0, 15.0])])
     seen = _seen()
     found, samples = _averaged([seen], pairs=pairs)
     assert samples == np.count_nonzero(seen.weights)

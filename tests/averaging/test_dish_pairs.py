@@ -20,7 +20,7 @@ def _seen(antennas) -> Visibilities:
 
 
 def test_rows_are_divided_by_the_dishes_of_their_antennas() -> None:
-    pairs = DishPairs.from_diameters(np.array([15.0, 13.5, 15.0, 25.0]))
+    (pairs,) = DishPairs.from_diameters([np.array([15.0, 13.5, 15.0, 25.0])])
     antennas = [(0, 2), (0, 1), (2, 1), (1, 0), (3, 1), (0, 3)]
     seen = _seen(antennas)
     parts = pairs.divided(seen)
@@ -37,5 +37,14 @@ def test_rows_are_divided_by_the_dishes_of_their_antennas() -> None:
 
 def test_dishes_that_are_alike_need_no_division() -> None:
     seen = _seen([(0, 1), (1, 2)])
-    (part,) = DishPairs.from_diameters(np.full(3, 25.0)).divided(seen).values()
+    (pairs,) = DishPairs.from_diameters([np.full(3, 25.0)])
+    (part,) = pairs.divided(seen).values()
     assert part is seen
+
+
+def test_a_kind_of_pair_has_the_same_number_in_all_arrays() -> None:
+    first, second = DishPairs.from_diameters([np.array([15.0, 13.5]), np.array([13.5, 13.5, 15.0])])
+    np.testing.assert_array_equal(first.kind, [1, 0])
+    np.testing.assert_array_equal(second.kind, [0, 0, 1])
+    (number,) = first.divided(_seen([(0, 1)]))
+    assert set(second.divided(_seen([(0, 2), (1, 2)]))) == {number}

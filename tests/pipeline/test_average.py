@@ -1,5 +1,6 @@
 """An observation is averaged over cells, and measured."""
 
+import shutil
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -110,6 +111,20 @@ def test_a_second_night_adds_samples_and_hardly_any_rows(seen, tmp_path):
     both = average(nights, tmp_path / "two.ms", field_arcmin=20, resources=SERIAL)
     assert both.samples == 2 * one.samples
     assert both.rows == one.rows
+
+
+def test_nights_with_other_antennas_are_averaged_together(tmp_path):
+    path, other = written(tmp_path), tmp_path / "other.ms"
+    shutil.copytree(path, other)
+    with tables.table(str(other / "ANTENNA"), readonly=False, ack=False) as antennas:
+        antennas.putcell("DISH_DIAMETER", 0, 25.0)
+    one = average(path, tmp_path / "one.ms", field_arcmin=1, resources=SERIAL)
+    both = average([path, other], tmp_path / "both.ms", field_arcmin=1, resources=SERIAL)
+    assert both.samples == 2 * one.samples
+    # The baselines of the changed antenna have rows of their own.
+    assert one.rows < both.rows < 2 * one.rows
+    diameters = open_observation(tmp_path / "both.ms").dish_diameters()
+    assert 25.0 in diameters
 
 
 def test_averages_are_not_averaged_again(seen, tmp_path):

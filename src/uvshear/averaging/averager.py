@@ -39,8 +39,6 @@ class Averager:
     ----------
     cells
         Sizes of the cells.
-    pairs
-        Kinds of pairs of dishes.
     sink
         Function that takes the averages.
     resources
@@ -48,20 +46,20 @@ class Averager:
         and never on the workers.
     """
 
-    def __init__(self, cells: Cells, pairs: DishPairs, sink: Sink, resources: Resources) -> None:
-        self._cells, self._pairs, self._sink = cells, pairs, sink
+    def __init__(self, cells: Cells, sink: Sink, resources: Resources) -> None:
+        self._cells, self._sink = cells, sink
         self._executor = resources.executor
         self._most = resources.memory / BYTES_PER_CELL
         self._tables: dict[Group, CellTable] = {}
         self._last: dict[Group, Promise[_Full]] = {}
         self._samples = 0
 
-    def add(self, chunks: Iterable[Visibilities]) -> None:
-        """Add chunks; the next ones are read while workers add the last ones.
+    def add(self, chunks: Iterable[Visibilities], pairs: DishPairs) -> None:
+        """Add chunks of one array; the next ones are read while workers add the last ones.
 
         Samples that cannot be right are left out (``screening``).
         """
-        for group, full in self._executor.map(_work, self._tasks(chunks)):
+        for group, full in self._executor.map(_work, self._tasks(chunks, pairs)):
             for averages in full:
                 self._sink(group, averages)
 
@@ -78,11 +76,11 @@ class Averager:
                 self._sink(group, table.taken())
         return self._samples
 
-    def _tasks(self, chunks: Iterable[Visibilities]) -> Iterator["_Task"]:
+    def _tasks(self, chunks: Iterable[Visibilities], pairs: DishPairs) -> Iterator["_Task"]:
         for seen in map(screened, chunks):
             self._samples += int(np.count_nonzero(seen.weights > 0))
             bands = SubBand.of_channels(seen.frequency)
-            for pair, part in self._pairs.divided(seen).items():
+            for pair, part in pairs.divided(seen).items():
                 rows = RowsToAverage.from_visibilities(part)
                 for band in bands:
                     group, done = Group(band, pair), Promise[_Full]()

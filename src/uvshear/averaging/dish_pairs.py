@@ -1,5 +1,6 @@
 """Kinds of pairs of dishes, which see the sky with different primary beams."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -11,7 +12,7 @@ from uvshear.typing import Array, Float, Int
 
 @dataclass(frozen=True)
 class DishPairs:
-    """Kinds of pairs of dishes, numbered from 0.
+    """Kinds of pairs of the dishes of one array, numbered alike for all arrays with the same kinds of dishes.
 
     Parameters
     ----------
@@ -25,10 +26,10 @@ class DishPairs:
     diameters: Float[Array, " kind"]
 
     @classmethod
-    def from_diameters(cls, diameters: Float[Array, " antenna"]) -> Self:
-        """Distinguish dishes by their diameters [m], of which there is at least one."""
-        found, kind = np.unique(diameters, return_inverse=True)
-        return cls(kind, found)
+    def from_diameters(cls, arrays: Sequence[Float[Array, " _"]]) -> list[Self]:
+        """Distinguish the dishes of some arrays, each of which has at least one, by their diameters [m]."""
+        found = np.unique(np.concatenate(arrays))
+        return [cls(np.searchsorted(found, diameters), found) for diameters in arrays]
 
     def kinds(self, pair: int) -> tuple[int, int]:
         """Return the kinds of the two dishes of a pair."""

@@ -18,6 +18,7 @@ from uvshear.interferometer.origin import origin_of, parts_of
 from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.io.measurement_set.averages_writer import AveragedField, new_averages
 from uvshear.pipeline.observation import ObservationLike, observation_of
+from uvshear.typing import Array, Float
 
 
 @dataclass(frozen=True)
@@ -62,34 +63,34 @@ def average(
     cells = Cells.for_field(field_arcmin * ARCMIN, accuracy)
     resources = resources or Resources()
     observation = observation_of(visibilities)
-    pairs = DishPairs.from_diameters(_diameters(observation))
-    about = AveragedField(observation.phase_centre, _pointing(observation), pairs, cells)
+    parts = parts_of(observation)
+    pairs = DishPairs.from_diameters([_diameters(part) for part in parts])
+    about = AveragedField(observation.phase_centre, _pointing(observation), pairs[0], cells)
     with new_averages(Path(output), about, overwrite=overwrite) as writer:
-        averager = Averager(cells, pairs, writer.add, resources)
-        averager.add(_samples(observation))
+        averager = Averager(cells, writer.add, resources)
+        for part, dishes in zip(parts, pairs, strict=True):
+            averager.add(_samples(part), dishes)
         samples = averager.finish()
         if not samples:
             raise InputError("no visibility carries weight; there is nothing to average")
-        names = ", ".join(origin_of(part).name for part in parts_of(observation))
+        names = ", ".join(origin_of(part).name for part in parts)
         writer.finish(f"averages over cells of {cells.uv:.4g} x {cells.w:.4g} wavelengths: {names}")
     return Averaged(samples, writer.rows)
 
 
-def _samples(observation: Observation) -> Iterator[Visibilities]:
-    for part in parts_of(observation):
-        for seen in part.chunks():
-            if seen.averages is not None:
-                raise InputError(
-                    f"{origin_of(part).name}: holds averages already; average the set that it was made from"
-                )
-            yield seen
+def _samples(part: Observation) -> Iterator[Visibilities]:
+    for seen in part.chunks():
+        if seen.averages is not None:
+            raise InputError(
+                f"{origin_of(part).name}: holds averages already; average the set that it was made from"
+            )
+        yield seen
 
 
-def _diameters(observation: Observation) -> np.ndarray:
-    known = all(
-        isinstance(origin_of(part).observation, HasDishes) for part in parts_of(observation)
-    )
-    diameters = dish_diameters(observation) if known else np.zeros(0)
+def _diameters(part: Observation) -> Float[Array, " antenna"]:
+    """Return the diameters of the dishes [m]; they are taken to be alike where they are not known."""
+    known = isinstance(origin_of(part).observation, HasDishes)
+    diameters = dish_diameters(part) if known else np.zeros(0)
     return diameters if len(diameters) else np.zeros(1)
 
 

@@ -23,7 +23,7 @@ BANDS = (SubBand(217), SubBand(220))
 ABOUT = AveragedField(
     PhaseCentre(0.3, -0.5),
     PhaseCentre(0.3, -0.501),
-    DishPairs.from_diameters(np.array([13.5, 15.0, 15.0])),
+    DishPairs.from_diameters([np.array([13.5, 15.0, 15.0])])[0],
     Cells(33.0, 1e4),
 )
 
