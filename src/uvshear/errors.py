@@ -11,3 +11,7 @@ class DataWarning(UserWarning):
 
 class NothingMeasuredWarning(DataWarning):
     """No galaxy could be measured; the message says why that is likely."""
+
+
+class CheckpointWarning(DataWarning):
+    """A measurement cannot go on from a checkpoint, or cannot write one; it goes on without."""

@@ -173,7 +173,7 @@ def _stop(
     if isinstance(event, Outcome) and event.status == 0:
         return event  # the command finished before it was interrupted
     remove_unfinished()
-    stopped = Outcome(ending.status, INTERRUPTION)
+    stopped = Outcome(ending.status, INTERRUPTION + _what_is_left())
     # At exit the interpreter would wait for the threads of a pool, which end only when their tasks are done.
     if not isinstance(event, Outcome) or threading.active_count() > 1:
         _show(stopped)
@@ -183,6 +183,14 @@ def _stop(
             getattr(execution, name, _nothing)()
         os._exit(stopped.status)
     return stopped
+
+
+def _what_is_left() -> str:
+    """Store the state of a measurement that is interrupted, and return what is to be said about it."""
+    # If the module has not been imported, nothing is measured.
+    checkpoint = sys.modules.get("uvshear.io.checkpoint")
+    left: list[object] = getattr(checkpoint, "checkpoints_left", list)()
+    return "".join(f"; the state is in {path}, and --resume goes on from there" for path in left)
 
 
 def _is_importing(worker: threading.Thread) -> bool:

@@ -17,6 +17,7 @@ from uvshear.cli.options import (
     Overwrite,
     Threads,
     non_negative,
+    options_of_the_state,
     output_option,
     positive,
     provenance,
@@ -33,8 +34,8 @@ from uvshear.cli.reading import (
     reading_of,
 )
 from uvshear.cli.registered import PROFILES, named_by, profile_named_by_option
-from uvshear.cli.residual_images import checked_residual_image, draw_residual
-from uvshear.cli.terminal import notes_of_warnings, progress_bar, remarks, say, shorten
+from uvshear.cli.residual_images import checked_residual_image, write_residual
+from uvshear.cli.terminal import notes_of_warnings, progress_bar, remarks, say
 from uvshear.cli.weightings import (
     GaussianTaperOption,
     InnerTukeyTaperOption,
@@ -244,6 +245,15 @@ def measure(
         ),
     ] = None,
     overwrite: Overwrite = False,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume",
+            rich_help_panel=OUTPUT,
+            help="Go on from the checkpoint (NAME.checkpoint) that a run with the same inputs and options has left"
+            " when it was ended. Without this option the measurement begins anew.",
+        ),
+    ] = False,
     threads: Threads = 0,
     memory_gb: Annotated[
         float | None,
@@ -272,12 +282,14 @@ def measure(
     from uvshear.estimators.registry import estimators_of
     from uvshear.execution import Resources, in_copies
     from uvshear.extraction import MeasurementOptions, Method, Model
+    from uvshear.io.checkpoint import Checkpoint, checkpoint_beside
     from uvshear.pipeline.measure import measure as measure_sources
     from uvshear.pipeline.measurement import check_outputs, companions
     from uvshear.pipeline.outcome import tally, why_none_was_measured
 
     check_outputs(output, overwrite=overwrite)
-    outputs = [output, *companions(output)]
+    checkpoint = Checkpoint(checkpoint_beside(output), resume, options_of_the_state(context))
+    outputs = [output, *companions(output), checkpoint.directory]
     if residual_image is not None:
         outputs += checked_residual_image(residual_image, overwrite=overwrite)
     reserve(context, outputs, [*measurement_sets, file_of(catalogue)])
@@ -328,6 +340,7 @@ def measure(
             method=method,
             resources=resources,
             progress=progress,
+            checkpoint=checkpoint,
         )
     made = provenance(context, *measurement_sets, catalogue)
     measurement.with_provenance(made).write(output, overwrite=overwrite)
@@ -340,20 +353,7 @@ def measure(
     with remarks():
         tell_missing_statistics(measurement)
     if residual_image is not None:
-        from uvshear.io.images import write_residual_image
-
-        with progress_bar("imaging") as progress:
-            images = measurement.residual_image(progress=progress)
-        write_residual_image(
-            residual_image,
-            images,
-            observation.phase_centre,
-            made.metadata(),
-            overwrite=overwrite,
-        )
-        draw_residual(
-            images, shorten(measurement_sets[0].name), residual_image, overwrite=overwrite
-        )
+        write_residual(measurement, made, residual_image, overwrite=overwrite)
 
 
 def observed(paths: list[Path], reading: "Reading", noise: NoiseName) -> "Observation":

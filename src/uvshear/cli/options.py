@@ -16,8 +16,11 @@ if TYPE_CHECKING:
 
 Pair = tuple[float, float]
 
-NO_PART_OF_THE_RESULT = frozenset({"threads", "overwrite", "output", "residual_image"})
+NO_PART_OF_THE_RESULT = frozenset({"threads", "overwrite", "output", "residual_image", "resume"})
 """Options that do not change the result, which provenance leaves out."""
+
+NO_PART_OF_THE_STATE = NO_PART_OF_THE_RESULT | {"memory_gb", "measurement_sets", "catalogue"}
+"""Options that may change when a run goes on from a checkpoint, and the inputs, whose content is compared."""
 
 
 def positive(value: float | None) -> float | None:
@@ -155,6 +158,15 @@ def provenance(context: typer.Context, *inputs: Path) -> "Provenance":
         if name not in NO_PART_OF_THE_RESULT
     }
     return Provenance(context.command_path, tuple(str(path) for path in inputs), options)
+
+
+def options_of_the_state(context: typer.Context) -> dict[str, object]:
+    """Return the options, as they are written on the command line, with which another run can go on."""
+    return {
+        f"--{name.replace('_', '-')}": value
+        for name, value in sorted(context.params.items())
+        if name not in NO_PART_OF_THE_STATE
+    }
 
 
 def uv_range_of(uv_min: float, uv_max: float | None) -> "UvRange":

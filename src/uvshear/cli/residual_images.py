@@ -4,18 +4,28 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from uvshear.cli.terminal import say
+from uvshear.cli.terminal import progress_bar, say, shorten
 from uvshear.constants import MICROJANSKY
 
 if TYPE_CHECKING:
-    from uvshear.diagnostics.residual_image import DirtyAndResidual
+    from uvshear.io.provenance import Provenance
+    from uvshear.pipeline.measurement import Measurement
 
 
-def draw_residual(images: "DirtyAndResidual", title: str, path: Path, *, overwrite: bool) -> None:
-    """Draw the images, and print the rms of the residual."""
+def write_residual(
+    measurement: "Measurement", made: "Provenance", path: Path, *, overwrite: bool
+) -> None:
+    """Image what a measurement has left, write and draw the images, and print the rms of the residual."""
+    from uvshear.io.images import write_residual_image
     from uvshear.plot import draw_residual_image, save
 
+    assert measurement.field is not None
+    with progress_bar("imaging") as progress:
+        images = measurement.residual_image(progress=progress)
+    centre = measurement.field.observation.phase_centre
+    write_residual_image(path, images, centre, made.metadata(), overwrite=overwrite)
     picture = picture_of(path)
+    title = shorten(Path(made.inputs[0]).name)
     save(draw_residual_image(images, title), picture, overwrite=overwrite)
     rms, noise = images.rms / MICROJANSKY, images.noise / MICROJANSKY
     say(

@@ -9,6 +9,7 @@ from typing import ClassVar
 from uvshear.execution.resources import Resources
 from uvshear.extraction.field import Field
 from uvshear.extraction.model import Model
+from uvshear.extraction.state_store import NO_STORE, StateStore
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
@@ -29,11 +30,14 @@ class Setting:
         Executor and memory that may be used.
     keep
         Statistics that are to be computed for every source besides its shape.
+    store
+        Place for the states from which another run can go on.
     """
 
     model: Model = field(default_factory=Model)
     resources: Resources = field(default_factory=Resources)
     keep: tuple[Statistic, ...] = ()
+    store: StateStore = NO_STORE
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,10 @@
 
 import warnings
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -23,12 +25,15 @@ from uvshear.errors import DataWarning, InputError, NothingMeasuredWarning
 from uvshear.estimators.registry import EstimatorLike, estimators_of
 from uvshear.execution import Resources
 from uvshear.extraction import Extracted, MeasurementOptions, Method, Model
+from uvshear.extraction.state_store import NO_STORE, StateStore
 from uvshear.extraction.weighted_shapes import weigh
 from uvshear.interferometer.summary import summarise
+from uvshear.io.checkpoint import Checkpoint
 from uvshear.io.identifiers import check_identifiers
 from uvshear.io.provenance import Provenance
 from uvshear.io.statistics import statistics_table
 from uvshear.pipeline.catalogue import CatalogueLike, catalogue_of
+from uvshear.pipeline.identity import content_of, identity_of
 from uvshear.pipeline.measurement import MeasuredField, Measurement
 from uvshear.pipeline.observation import ObservationLike, observation_of, paths_of
 from uvshear.pipeline.outcome import check_field, why_none_was_measured
@@ -37,6 +42,8 @@ from uvshear.pipeline.remarks import remarks
 from uvshear.pipeline.tabulate import catalogue_of_sky, tabulate_shapes
 from uvshear.predict.response import Response
 from uvshear.progress import Progress
+
+_EXTRACTED: Final = "extracted"
 
 
 def measure(
@@ -48,6 +55,7 @@ def measure(
     method: Method | None = None,
     resources: Resources | None = None,
     progress: Progress | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> Measurement:
     """Measure the shape of every source of a catalogue.
 
@@ -68,6 +76,9 @@ def measure(
         Executor and memory.
     progress
         Function called with the work done so far and the total work.
+    checkpoint
+        Where the state is stored while the measurement runs, so that another run can go on from it if this one is
+        ended. It is removed when the measurement is written (``Measurement.write``).
 
     Raises
     ------
@@ -89,7 +100,9 @@ def measure(
     )
     sources = catalogue_of(catalogue)
     check_identifiers(sources.identifier)
-    prepared = Prepared.from_observation(observation_of(observation), sources, options)
+    seen = observation_of(observation)
+    store = None if checkpoint is None else checkpoint.opened(identity_of(seen, sources, options))
+    prepared = Prepared.from_observation(seen, sources, options)
     check_field(sources, prepared.observation.phase_centre, prepared.field.flags)
     checks, sky = prepared.checks, prepared.field.sky
     before = (
@@ -99,7 +112,8 @@ def measure(
     )
     for text in (*prepared.first.warnings, *before):
         warnings.warn(text, DataWarning, stacklevel=2)
-    prepared, extracted = _extract_with_noise(prepared, progress)
+    with nullcontext() if store is None else store.in_use(content_of(prepared.first)):
+        prepared, extracted = _extract_with_noise(prepared, progress, store or NO_STORE)
     fitted, uv_range = extracted.sky, extracted.uv_range
     checks = prepared.checks
     for text in remarks("the noise", lambda: checks.noise_warnings(fitted, uv_range)):
@@ -116,11 +130,12 @@ def measure(
         sky=catalogue_of_sky(sources, field, extracted, seen.phase_centre),
         record=extracted.record,
         field=MeasuredField(seen, first.summary, options.model, options.resources),
+        checkpoint=store,
     )
 
 
 def _extract_with_noise(
-    prepared: Prepared, progress: Progress | None
+    prepared: Prepared, progress: Progress | None, store: StateStore
 ) -> tuple[Prepared, Extracted]:
     """Measure the sources; where the noise of the data is asked for, the weights are corrected to it before.
 
@@ -129,11 +144,23 @@ def _extract_with_noise(
     """
     first_sky, uv_range = prepared.field.sky, prepared.field.uv_range
     prepared = prepared.with_noise_of_data(first_sky, uv_range)
-    extracted = _extract(prepared, progress)
+    extracted = _stored_extraction(prepared, progress, store.part("extraction"))
     corrected = prepared.with_noise_of_data(extracted.sky, extracted.uv_range)
     if corrected is not prepared:
-        prepared, extracted = corrected, _extract(corrected, progress)
+        prepared = corrected
+        extracted = _stored_extraction(corrected, progress, store.part("second-extraction"))
     return prepared, extracted
+
+
+def _stored_extraction(
+    prepared: Prepared, progress: Progress | None, store: StateStore
+) -> Extracted:
+    """Measure the sources, unless their measurements are stored already."""
+    found: Extracted | None = store.load(_EXTRACTED)
+    if found is None:
+        found = _extract(prepared, progress, store)
+        store.save(_EXTRACTED, found)
+    return found
 
 
 def _check_types(model: object, method: object, resources: object) -> None:
@@ -149,7 +176,7 @@ def _check_types(model: object, method: object, resources: object) -> None:
             )
 
 
-def _extract(prepared: Prepared, progress: Progress | None) -> Extracted:
+def _extract(prepared: Prepared, progress: Progress | None, store: StateStore) -> Extracted:
     """Measure the sources; signal-to-noise ratios are those of natural weights, whatever the weights of the shapes."""
     observation, field, first = prepared.held, prepared.field, prepared.first
     options = prepared.options
@@ -158,7 +185,9 @@ def _extract(prepared: Prepared, progress: Progress | None) -> Extracted:
     if method.weightings and len(field.measured):
         seen, correction = weigh(observation, field, options)
         among = replace(field, summary=summarise(seen), weight_correction=correction)
-    extracted = method.extraction.extract(seen, among, options.setting, progress)
+    extracted = method.extraction.extract(
+        seen, among, replace(options.setting, store=store), progress
+    )
     extracted = replace(extracted, record=_completed(extracted, method))
     is_part = extracted.uv_range.minimum > 0 or method.uv_range.maximum < np.inf
     if not (is_part or method.weightings):

@@ -1,6 +1,7 @@
 """Results of a measurement: shapes, statistics and the fitted sky, in memory or in files."""
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -17,6 +18,7 @@ from uvshear.interferometer.summary import ObservationSummary, summarise
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue, read_catalogue, write_catalogue
+from uvshear.io.checkpoint import CheckpointStore
 from uvshear.io.outputs import check_file, new_outputs
 from uvshear.io.provenance import Provenance
 from uvshear.io.run_identity import RUN, companion, new_run, run_in_file, run_of
@@ -55,6 +57,8 @@ class Measurement:
         Facts about the course of the extraction, such as the number of cycles.
     field
         The observation that was measured; None for a measurement that was read from files.
+    checkpoint
+        The stored state of the measurement, which is removed when the measurement is written; None if there is none.
     """
 
     shapes: Table
@@ -62,6 +66,7 @@ class Measurement:
     sky: Catalogue | None
     record: Mapping[str, object]
     field: MeasuredField | None = None
+    checkpoint: CheckpointStore | None = None
 
     def __len__(self) -> int:
         return len(self.shapes)
@@ -111,7 +116,8 @@ class Measurement:
         shapes.meta[RUN] = made[RUN]
         # A companion without its table was left by a table that is gone.
         replaces = overwrite or not target.exists()
-        with new_outputs(target) as outputs:
+        stored = nullcontext() if self.checkpoint is None else self.checkpoint.until_written()
+        with stored, new_outputs(target) as outputs:
             if self.statistics is not None:
                 write_statistics(outputs.new(statistics, overwrite=replaces), self.statistics, made)
             if self.sky is not None:

@@ -1,5 +1,6 @@
 """The image of all changes of the sky since the last major cycle, convolved with the beam."""
 
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -7,10 +8,29 @@ import numpy as np
 from uvshear.execution.shared_memory import shared_zeros
 from uvshear.extraction.converged.beams import SIZE
 from uvshear.extraction.converged.interaction import WINDOW, Interaction
-from uvshear.typing import Array, Complex, Float
+from uvshear.typing import Array, Complex, Float, Int
 
 BLOCK = WINDOW
 """Side of the blocks in which an image is copied [coarse pixels]."""
+
+
+@dataclass(frozen=True)
+class Changes:
+    """Content of an image of changes, without the places that no source reaches.
+
+    Parameters
+    ----------
+    corners
+        First pixel of each block in which there may be something.
+    blocks
+        Pixels of these blocks; those beyond the edge of the image are zero.
+    plateau
+        Far couplings of each source times the changes of the fluxes.
+    """
+
+    corners: Int[Array, "block 2"]
+    blocks: Float[Array, "block l m"]
+    plateau: Float[Array, " source"]
 
 
 class ChangeImage:
@@ -42,13 +62,39 @@ class ChangeImage:
         if self._is_empty:
             return other
         other._is_empty = False
-        first = (self._places - self._origin - WINDOW // 2) // BLOCK
-        corners = [first + corner for corner in ((0, 0), (0, 1), (1, 0), (1, 1))]
-        for i, j in np.unique(np.concatenate(corners), axis=0) * BLOCK:
-            block = slice(i, i + BLOCK), slice(j, j + BLOCK)
+        for corner in self._corners():
+            block = _block_at(corner)
             other._pixels[block] = self._pixels[block]
         other._plateau[:] = self._plateau
         return other
+
+    def changes(self) -> Changes:
+        """Return the content of the image."""
+        corners = np.zeros((0, 2), int) if self._is_empty else self._corners()
+        blocks = np.zeros((len(corners), BLOCK, BLOCK), np.float32)
+        for block, corner in zip(blocks, corners, strict=True):
+            found = self._pixels[_block_at(corner)]
+            block[: found.shape[0], : found.shape[1]] = found
+        return Changes(corners, blocks, self._plateau.copy())
+
+    @classmethod
+    def from_changes(cls, interaction: Interaction, changes: Changes) -> Self:
+        """Return an image with this content, for the interaction for which the changes were rendered."""
+        image = cls(interaction)
+        if len(changes.corners) == 0:
+            return image
+        image._is_empty = False
+        for block, corner in zip(changes.blocks, changes.corners, strict=True):
+            there = image._pixels[_block_at(corner)]
+            there[:] = block[: there.shape[0], : there.shape[1]]
+        image._plateau[:] = changes.plateau
+        return image
+
+    def _corners(self) -> Int[Array, "block 2"]:
+        """First pixels of the blocks that the changes of sources reach."""
+        first = (self._places - self._origin - WINDOW // 2) // BLOCK
+        corners = [first + corner for corner in ((0, 0), (0, 1), (1, 0), (1, 1))]
+        return np.unique(np.concatenate(corners), axis=0) * BLOCK
 
     def add(self, source: int, change: Float[Array, "l m"]) -> None:
         """Add the rendered change of a source."""
@@ -81,3 +127,8 @@ class ChangeImage:
         cutout.add_coarse(self._pixels[i : i + half, j : j + half], -1.0, facet)
         if cutout.shortest <= 0:
             facet[cutout.origin] -= self._plateau[source]
+
+
+def _block_at(corner: Int[Array, " 2"]) -> tuple[slice, slice]:
+    i, j = corner.tolist()
+    return slice(i, i + BLOCK), slice(j, j + BLOCK)

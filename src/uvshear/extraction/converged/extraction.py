@@ -23,6 +23,7 @@ from functools import partial
 from uvshear.execution import Executor, single_threaded_libraries
 from uvshear.extraction.converged.acceleration import Cycle, next_sky
 from uvshear.extraction.converged.baselines import Baselines
+from uvshear.extraction.converged.course import Course, load_baselines, load_course, save_course
 from uvshear.extraction.converged.history import History
 from uvshear.extraction.converged.major_cycle import first_major_cycle, next_major_cycle
 from uvshear.extraction.converged.minor_cycle import run_minor_cycle
@@ -30,6 +31,7 @@ from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.planner import Planner
 from uvshear.extraction.converged.reach import out_of_reach, too_large
 from uvshear.extraction.converged.release import release
+from uvshear.extraction.converged.sequential_pass import OnFit
 from uvshear.extraction.converged.shapes import measure_shapes
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.extraction.converged.statistics import keep_statistics
@@ -116,10 +118,12 @@ class ConvergedExtraction(Extraction):
             meter, profile = Meter(progress), setting.model.profile
             is_galaxy = field.flags[field.modelled] == FitFlag.OK
             baselines = Baselines.from_field(field, is_galaxy, self.shortest, profile)
+            baselines = load_baselines(setting.store, baselines)
             observation = HeldObservation(observation, HELD_PART * setting.resources.memory)
             found = self._extract(observation, field, setting, executor, meter, baselines)
             if found is None:
                 baselines = baselines.without_short_ones()
+                save_course(setting.store, Course(baselines))
                 found = self._extract(observation, field, setting, executor, meter, baselines)
         assert found is not None
         return found
@@ -134,7 +138,7 @@ class ConvergedExtraction(Extraction):
         baselines: Baselines,
     ) -> Extracted | None:
         """Measure with these baselines; None where they let the sky diverge, and fewer can be used."""
-        centre = observation.phase_centre
+        centre, store = observation.phase_centre, setting.store
         modelled = ModelledField.from_field(field, setting.model, centre.dec)
         epsilon = self._epsilon(field)
         planner = Planner.from_field(modelled, baselines, self.scale_lengths, epsilon)
@@ -143,46 +147,29 @@ class ConvergedExtraction(Extraction):
         on_fit, on_shape, on_statistics = (
             partial(meter.add, work) for work in (FIT, POSTERIOR, STATISTICS)
         )
-        rough_cycles = min(WITHOUT_LONGEST, self.most_major_cycles - 1)
-        workload = Workload(planner, rough_cycles, bool(setting.keep))
+        cycles = _Cycles(self, planner, gridding, executor, meter, bool(setting.keep))
 
-        state: SkyState | None = None
-        history = History()
-        cycles: list[Cycle] = []
-        while True:
-            fits = modelled.expected if state is None else next_sky(state, cycles)
-            is_rough = len(history) < rough_cycles
-            plan = planner.plan_roughly(fits) if is_rough else planner.plan(fits)
-            meter.expect(workload.foreseen(len(history), plan))
-            sky = planner.subtracted(fits)
-            if state is None:
-                beams = planner.plan_beams()
-                cycle = first_major_cycle(observation, plan, beams, sky, gridding, meter.add)
-            else:
-                known = state.interaction.beams
-                cycle = next_major_cycle(observation, plan, known, sky, gridding, meter.add)
-            couplings = state.linearisation if state and len(history) >= COUPLED else None
-            state = SkyState.from_major_cycle(cycle, modelled.sources, fits, executor, couplings)
-            tolerance = self.tolerance if history else max(self.tolerance, ROUGH)
-            minor = run_minor_cycle(
-                state, tolerance, executor, on_fit, afresh=len(history) < AFRESH
-            )
-            state = minor.state
-            # The first step, from the catalogue, tells nothing of those near the maximum of the likelihood.
-            if history:
-                cycles.append(Cycle.from_state(state, modelled.expected))
-            history = history.with_cycle(minor.change, minor.moves)
-            if history.is_diverging and baselines.limit > 0:
+        course = load_course(store, baselines, modelled)
+        while not course.has_converged:
+            if not course.awaits_minor_cycle:
+                course = cycles.with_major_cycle(course, observation)
+                save_course(store, course)
+            course = cycles.with_minor_cycle(course, on_fit)
+            if course.history.is_diverging and baselines.limit > 0:
                 return None
-            is_last = history.left_undone < self.tolerance or len(history) >= self.most_major_cycles
-            if plan.has_all_baselines and is_last:
-                break
+            save_course(store, course)
 
-        measurements = measure_shapes(state, modelled, history, executor, on_shape)
+        state, history = course.state, course.history
+        assert state is not None
+        measurements = measure_shapes(
+            state, modelled, history, executor, on_shape, store.results("posteriors")
+        )
         record = self._record(history, baselines)
         statistics: Mapping[int, Kept] = {}
         if setting.keep:
-            released, moved = release(state, self.tolerance / 2, executor, on_fit)
+            released, moved = release(
+                state, self.tolerance / 2, executor, on_fit, store.part("release")
+            )
             statistics = keep_statistics(
                 released, modelled, setting, centre, executor, on_statistics
             )
@@ -208,3 +195,63 @@ class ConvergedExtraction(Extraction):
             "shortest_baseline": round(baselines.shortest, 1),
             "tolerance": self.tolerance,
         }
+
+
+@dataclass(frozen=True)
+class _Cycles:
+    """The major and minor cycles of an extraction, from one course to the next."""
+
+    extraction: ConvergedExtraction
+    planner: Planner
+    gridding: Gridding
+    executor: Executor
+    meter: Meter
+    keeps_statistics: bool
+
+    @property
+    def rough_cycles(self) -> int:
+        """Number of major cycles without the longest baselines."""
+        return min(WITHOUT_LONGEST, self.extraction.most_major_cycles - 1)
+
+    def with_major_cycle(self, course: Course, observation: Observation) -> Course:
+        """Subtract the sky that the last cycles suggest, and gather the residual."""
+        state, number, planner, meter = course.state, len(course.history), self.planner, self.meter
+        modelled = planner.modelled
+        fits = modelled.expected if state is None else next_sky(state, course.cycles)
+        plan = planner.plan_roughly(fits) if number < self.rough_cycles else planner.plan(fits)
+        workload = Workload(planner, self.rough_cycles, self.keeps_statistics)
+        meter.expect(workload.foreseen(number, plan))
+        sky = planner.subtracted(fits)
+        if state is None:
+            beams = planner.plan_beams()
+            cycle = first_major_cycle(observation, plan, beams, sky, self.gridding, meter.add)
+        else:
+            known = state.interaction.beams
+            cycle = next_major_cycle(observation, plan, known, sky, self.gridding, meter.add)
+        couplings = state.linearisation if state and number >= COUPLED else None
+        state = SkyState.from_major_cycle(cycle, modelled.sources, fits, self.executor, couplings)
+        return replace(course, state=state, awaits_minor_cycle=True)
+
+    def with_minor_cycle(self, course: Course, on_fit: OnFit) -> Course:
+        """Fit the sources to the residual of the last major cycle."""
+        state, number, extraction = course.state, len(course.history), self.extraction
+        assert state is not None
+        tolerance = extraction.tolerance if number else max(extraction.tolerance, ROUGH)
+        minor = run_minor_cycle(state, tolerance, self.executor, on_fit, afresh=number < AFRESH)
+        state, cycles = minor.state, course.cycles
+        # The first step, from the catalogue, tells nothing of those near the maximum of the likelihood.
+        if number:
+            cycles = (*cycles, Cycle.from_state(state, self.planner.modelled.expected))
+        history = course.history.with_cycle(minor.change, minor.moves)
+        is_last = (
+            history.left_undone < extraction.tolerance
+            or len(history) >= extraction.most_major_cycles
+        )
+        return replace(
+            course,
+            history=history,
+            cycles=cycles,
+            state=state,
+            awaits_minor_cycle=False,
+            has_converged=state.interaction.plan.has_all_baselines and is_last,
+        )

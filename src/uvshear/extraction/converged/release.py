@@ -4,14 +4,17 @@ A prior pulls a faint galaxy towards round, and all its neighbours, near and far
 lacks, and with it of the shear.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Final
 
 from uvshear.execution import Executor
+from uvshear.extraction.converged.kept_sky import KeptSky
 from uvshear.extraction.converged.minor_cycle import rms, run_minor_cycle
 from uvshear.extraction.converged.moving_sky import Given, Move, MovingSky
 from uvshear.extraction.converged.sequential_pass import OnFit
-from uvshear.extraction.converged.sky_state import SkyState
+from uvshear.extraction.converged.sky_state import Fits, SkyState
 from uvshear.extraction.converged.sources import ModelledSource
+from uvshear.extraction.state_store import NO_STORE, StateStore
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.template import difference
 
@@ -23,23 +26,55 @@ twelve."""
 FARTHEST_AHEAD = 1.0
 """Longest extrapolation of a released sky, over its last move."""
 
+_NAME: Final = "sky"
+
+
+@dataclass(frozen=True)
+class _Released:
+    """A sky some minor cycles after its release.
+
+    Parameters
+    ----------
+    sky
+        The sky, in the form in which it is stored.
+    before
+        The fits before the last minor cycle.
+    moves
+        The rms of the changes in the minor cycles so far [noise].
+    """
+
+    sky: KeptSky
+    before: Fits
+    moves: tuple[float, ...]
+
 
 def release(
-    state: SkyState, tolerance: float, executor: Executor, on_fit: OnFit
+    state: SkyState,
+    tolerance: float,
+    executor: Executor,
+    on_fit: OnFit,
+    store: StateStore = NO_STORE,
 ) -> tuple[SkyState, tuple[float, ...]]:
     """Let the sky converge with a very wide prior on ellipticities; return it with the rms of its moves [noise].
 
     Each minor cycle takes the sky about half of the remaining way. A few cycles are therefore followed by an
-    extrapolation to the limit that their moves suggest.
+    extrapolation to the limit that their moves suggest. The sky is stored at the end, and before where much work
+    would be lost.
     """
-    now = replace(state, sources=tuple(source.released() for source in state.sources))
-    moves = []
-    before = now.fits
-    for _ in range(RELEASES):
+    sources = tuple(source.released() for source in state.sources)
+    kept: _Released | None = store.load(_NAME)
+    moves: tuple[float, ...]
+    if kept is None:
+        now, before, moves = replace(state, sources=sources), state.fits, ()
+    else:
+        found = kept.sky.restored(state.sources, state.interaction.beams)
+        now, before, moves = replace(found, sources=sources), kept.before, kept.moves
+    while len(moves) < RELEASES:
         before = now.fits
         cycle = run_minor_cycle(now, tolerance, executor, on_fit, afresh=False)
-        now = cycle.state
-        moves.append(rms(cycle.change))
+        now, moves = cycle.state, (*moves, rms(cycle.change))
+        if store.is_due or len(moves) == RELEASES:
+            store.save(_NAME, _Released(KeptSky.from_state(now), before, moves))
     first, second = moves[-2:]
     # Moves that do not shrink tell of no end.
     far = min(second / (first - second), FARTHEST_AHEAD) if second < first else 0.0
@@ -50,7 +85,7 @@ def release(
     sky = MovingSky(now)
     with executor.crew(sky) as crew:
         sky.move([Move([k], Given(fit)) for k, fit in enumerate(ahead)], crew)
-    return sky.now, tuple(moves)
+    return sky.now, moves
 
 
 def _ahead(source: ModelledSource, then: GalaxyFit, now: GalaxyFit, far: float) -> GalaxyFit:

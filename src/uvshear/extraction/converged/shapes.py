@@ -12,6 +12,7 @@ from uvshear.extraction.converged.neighbour_marginalisation import (
     NeighbourMarginaliser,
 )
 from uvshear.extraction.converged.sky_state import SkyState
+from uvshear.extraction.state_store import Results
 from uvshear.shapes.measurement import FitFlag, ShapeMeasurement
 from uvshear.shapes.neighbours import with_neighbours_marginalised
 from uvshear.shapes.remaining_change import RemainingChange, with_remaining_change
@@ -26,19 +27,28 @@ def measure_shapes(
     history: History,
     executor: Executor,
     on_shape: Callable[[], None],
+    known: Results[ShapeMeasurement] | None = None,
 ) -> Mapping[int, ShapeMeasurement]:
-    """Sample the posterior of every galaxy; the results are by index of the catalogue, in its fluxes."""
+    """Sample the posterior of every galaxy; the results are by index of the catalogue, in its fluxes.
+
+    Posteriors that are known already, by the number of the galaxy among the modelled sources, are not sampled again;
+    the others are added to them.
+    """
     galaxies = modelled.galaxies
     unit_of = {source: unit for unit in state.neighbourhood.units for source in unit}
     marginaliser = NeighbourMarginaliser.from_state(state)
     subject = _Measured(state, modelled, history, marginaliser, unit_of)
-    measurements = {}
-    shapes = executor.distribute(_measure_one, subject, galaxies)
-    for k, shape in zip(galaxies, shapes, strict=True):
+    known = Results() if known is None else known
+    left = [k for k in galaxies if k not in known]
+    for _ in range(len(galaxies) - len(left)):
         on_shape()
-        source = int(modelled.field.modelled[k])
-        measurements[source] = _in_catalogue_flux(shape, modelled, k)
-    return measurements
+    shapes = executor.distribute(_measure_one, subject, left)
+    for k, shape in zip(left, shapes, strict=True):
+        on_shape()
+        known.add(k, shape)
+    return {
+        int(modelled.field.modelled[k]): _in_catalogue_flux(known[k], modelled, k) for k in galaxies
+    }
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from uvshear.extraction.converged.interaction import Interaction, PlacedSource
 from uvshear.extraction.converged.major_cycle import Facets, MajorCycle
 from uvshear.extraction.converged.neighbourhood import Neighbourhood
 from uvshear.extraction.converged.own_models import with_own_models
+from uvshear.extraction.converged.plan import MajorCyclePlan
 from uvshear.extraction.converged.sources import ModelledSource
 from uvshear.galaxy import Profile
 from uvshear.interferometer.facet import Facet
@@ -40,6 +41,20 @@ class Linearisation:
 
     equations: tuple[NormalEquations, ...]
     couplings: Couplings
+
+
+def neighbourhood_of(
+    plan: MajorCyclePlan, sources: Sequence[ModelledSource], subtracted: Sequence[GalaxyFit]
+) -> Neighbourhood:
+    """Return the positions and groups of the sources that a major cycle has subtracted."""
+    scale_length = np.array(
+        [
+            max(source.expected.scale_length, fit.scale_length)
+            for source, fit in zip(sources, subtracted, strict=True)
+        ]
+    )
+    flux = np.array([source.expected.flux for source in sources])
+    return Neighbourhood.from_sizes(plan.centres, flux, scale_length)
 
 
 @dataclass(frozen=True)
@@ -87,13 +102,6 @@ class SkyState:
     ) -> Self:
         """Begin with the sky that a major cycle has subtracted, and with a linearisation where one is known."""
         interaction = Interaction(cycle.plan, cycle.beams, sources[0].profile)
-        scale_length = np.array(
-            [
-                max(source.expected.scale_length, fit.scale_length)
-                for source, fit in zip(sources, subtracted, strict=True)
-            ]
-        )
-        flux = np.array([source.expected.flux for source in sources])
         return cls(
             sources=tuple(sources),
             fits=tuple(subtracted),
@@ -101,7 +109,7 @@ class SkyState:
             facets=with_own_models(cycle, interaction, sources, subtracted, executor),
             image=ChangeImage(interaction),
             interaction=interaction,
-            neighbourhood=Neighbourhood.from_sizes(cycle.plan.centres, flux, scale_length),
+            neighbourhood=neighbourhood_of(cycle.plan, sources, subtracted),
             linearisation=linearisation,
         )
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import Any
 
@@ -10,6 +10,7 @@ from uvshear.execution import Executor
 from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.extraction.extraction import Setting
+from uvshear.extraction.state_store import NO_STORE, Results
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.shapes.source_facet import Kept, SourceFacet, Statistic, noise_named
 from uvshear.shapes.statistic_flag import StatisticFlag, flag_column
@@ -33,18 +34,30 @@ def keep_statistics(
     executor: Executor,
     on_source: Callable[[], None],
 ) -> Mapping[int, Kept]:
-    """Compute the statistics of every galaxy, with a flag for each estimator, by index of the catalogue."""
-    subject = _Kept(state, modelled, setting, phase_centre, modelled.strength_at_1_4_ghz)
-    kept: dict[int, Kept] = {}
+    """Compute the statistics of every galaxy, with a flag for each estimator, by index of the catalogue.
+
+    Those that are in the store of the setting are not computed again.
+    """
+    subject = _Kept(
+        state,
+        modelled,
+        replace(setting, store=NO_STORE),
+        phase_centre,
+        modelled.strength_at_1_4_ghz,
+    )
+    known: Results[Kept] = setting.store.results("statistics")
     workers = min(setting.resources.memory // BYTES_PER_WORKER, executor.workers)
     executor = executor.at_most(int(workers))
     most = min(MOST_IN_A_PART, math.ceil(len(modelled.galaxies) / (2 * executor.workers)))
-    parts = _by_beam(state, modelled.galaxies, most)
+    left = [k for k in modelled.galaxies if k not in known]
+    for _ in range(len(modelled.galaxies) - len(left)):
+        on_source()
+    parts = _by_beam(state, left, most)
     for part, found in zip(parts, executor.distribute(_statistics, subject, parts), strict=True):
         for k, numbers in zip(part, found, strict=True):
             on_source()
-            kept[int(modelled.field.modelled[k])] = numbers
-    return kept
+            known.add(k, numbers)
+    return {int(modelled.field.modelled[k]): known[k] for k in modelled.galaxies}
 
 
 @dataclass(frozen=True)

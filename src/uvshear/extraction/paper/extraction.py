@@ -7,7 +7,7 @@
    better sky; if the measurement is bad again, it keeps its flag and has no weight.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
@@ -18,6 +18,7 @@ from uvshear.extraction.extraction import Extracted, Extraction, Setting
 from uvshear.extraction.field import Field
 from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable
 from uvshear.extraction.paper.facets import FacetMethod
+from uvshear.extraction.paper.paper_course import PaperCourse
 from uvshear.extraction.paper.paper_sky import PaperSky
 from uvshear.extraction.paper.sequential_pass import SequentialPass, batches
 from uvshear.interferometer.visibilities import Observation
@@ -29,6 +30,8 @@ BAD: Final = frozenset(
 )
 """Flags of sources that are fitted again with a better sky; it does not help a source that the baselines do not
 determine."""
+
+_COURSE: Final = "course"
 
 
 @dataclass(frozen=True)
@@ -63,20 +66,27 @@ class PaperExtraction(Extraction):
         """Measure every source, and those with a bad measurement once more at the end."""
         if setting.model.primary_beam is not None:
             raise InputError("PaperExtraction cannot model a primary beam; use ConvergedExtraction")
-        meter = Meter(progress)
+        meter, store = Meter(progress), setting.store
         run = SequentialPass(observation, field, setting, self.facet, meter.add)
-        sky = PaperSky(field.sky)
         order = batches(field, field.measured, self.separation)
-        meter.expect(self.passes * len(order) * field.summary.rows)
-        for _ in range(self.passes - 1):
-            sky = run.improve(sky, order)
-        sky, measurements = run.measure(sky, order)
-        bad = [source for source, shape in measurements.items() if shape.flag in BAD]
-        if bad:
-            again = batches(field, np.array(bad), self.separation)
-            meter.expect(len(again) * field.summary.rows)
-            sky, second = run.measure(sky.without_starts(bad), again)
-            measurements |= second
+        course: PaperCourse = store.load(_COURSE) or PaperCourse(PaperSky(field.sky))
+        first = self.passes * len(order)
+        meter.expect((first - min(course.batches, first)) * field.summary.rows)
+        while course.batches < first:
+            fit = run.improve if course.batches < first - len(order) else run.measure
+            course = fit(course, order[course.batches % len(order)])
+            if store.is_due:
+                store.save(_COURSE, course)
+        bad = [source for source, shape in course.measurements.items() if shape.flag in BAD]
+        if bad and course.batches == first:
+            course = replace(course, sky=course.sky.without_starts(bad))
+        again = batches(field, np.array(bad), self.separation) if bad else []
+        meter.expect((first + len(again) - course.batches) * field.summary.rows)
+        while course.batches < first + len(again):
+            course = run.measure_again(course, again[course.batches - first])
+            if store.is_due:
+                store.save(_COURSE, course)
+        sky, measurements = course.sky, {**course.measurements, **course.measured_again}
         return Extracted(
             measurements=measurements,
             sky=sky.sky,

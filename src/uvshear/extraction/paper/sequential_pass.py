@@ -1,6 +1,6 @@
 """Passes over the sources of a field in decreasing flux."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -10,6 +10,7 @@ from uvshear.extraction.extraction import Setting
 from uvshear.extraction.field import Field
 from uvshear.extraction.paper.facet_gathering import FacetAccumulator
 from uvshear.extraction.paper.facets import FacetMethod, Target
+from uvshear.extraction.paper.paper_course import PaperCourse
 from uvshear.extraction.paper.paper_sky import PaperSky
 from uvshear.extraction.schedule import fitting_levels
 from uvshear.interferometer.accumulate import accumulate
@@ -65,23 +66,28 @@ class SequentialPass:
     facet: FacetMethod
     on_rows: Callable[[int], None]
 
-    def improve(self, sky: PaperSky, order: Iterable[Batch]) -> PaperSky:
-        """Fit every source once, and return the improved sky."""
-        for batch in order:
-            sky, fits = self._fit_batch(sky, batch, self._fit)
-            sky = sky.with_fits(self.field, batch.tolist(), fits)
-        return sky
+    def improve(self, course: PaperCourse, batch: Batch) -> PaperCourse:
+        """Fit the sources of a batch, and improve the sky with them."""
+        sky, fits = self._fit_batch(course.sky, batch, self._fit)
+        return course.with_sky(sky.with_fits(self.field, batch.tolist(), fits))
 
-    def measure(
-        self, sky: PaperSky, order: Iterable[Batch]
-    ) -> tuple[PaperSky, dict[int, ShapeMeasurement]]:
-        """Fit every source once and sample its posterior; return the improved sky and the measurements."""
-        measurements: dict[int, ShapeMeasurement] = {}
-        for batch in order:
-            sky, shapes = self._fit_batch(sky, batch, self._measure)
-            measurements.update(zip(batch.tolist(), shapes, strict=True))
-            sky = sky.with_fits(self.field, batch.tolist(), [shape.best for shape in shapes])
-        return sky, measurements
+    def measure(self, course: PaperCourse, batch: Batch) -> PaperCourse:
+        """Fit the sources of a batch and sample their posteriors, and improve the sky with them."""
+        sky, found = self._measured(course.sky, batch)
+        return replace(course.with_sky(sky), measurements={**course.measurements, **found})
+
+    def measure_again(self, course: PaperCourse, batch: Batch) -> PaperCourse:
+        """Measure the sources of a batch a second time, after the first measurement of all others."""
+        sky, found = self._measured(course.sky, batch)
+        return replace(course.with_sky(sky), measured_again={**course.measured_again, **found})
+
+    def _measured(
+        self, sky: PaperSky, batch: Batch
+    ) -> tuple[PaperSky, Mapping[int, ShapeMeasurement]]:
+        sources = batch.tolist()
+        sky, shapes = self._fit_batch(sky, batch, self._measure)
+        sky = sky.with_fits(self.field, sources, [shape.best for shape in shapes])
+        return sky, dict(zip(sources, shapes, strict=True))
 
     def _fit_batch(
         self,
