@@ -12,7 +12,8 @@ convention for RA and Dec).
 Measure
     ``measure`` turns visibilities and a catalogue into a ``Measurement``, which ``read_measurement`` reads back from
     its files. ``FitFlag`` lists the flags of sources. ``DataWarning`` is issued for problems in the data, and
-    ``InputError`` is raised for wrong inputs.
+    ``InputError`` is raised for wrong inputs. A ``Checkpoint`` is a directory for the state of a measurement, from
+    which another run can go on.
 Visibilities
     ``open_observation`` opens the part of files that a ``Reading`` selects, ``inspect`` summarises a file, and
     ``scaled_to_its_noise`` takes the noise from the scatter of the data. ``average`` writes a Measurement Set of the
@@ -148,6 +149,7 @@ if TYPE_CHECKING:
         read_catalogue,
         write_catalogue,
     )
+    from uvshear.io.checkpoint import Checkpoint
     from uvshear.io.images import write_residual_image
     from uvshear.io.measurement_set.writer import write_measurement_set
     from uvshear.io.observations import inspect, open_observation
@@ -197,6 +199,7 @@ _HOMES = {
         "Briggs GaussianTaper RoundPsf TukeyTaper Uniform Weighting weighted"
     ),
     "io.bias_records": "read_bias write_bias",
+    "io.checkpoint": "Checkpoint",
     "io.catalogue": "Catalogue catalogue_from_galaxies read_catalogue write_catalogue",
     "io.images": "write_residual_image",
     "io.measurement_set.writer": "write_measurement_set",
@@ -230,6 +233,7 @@ __all__ = [
     "Catalogue",
     "CatalogueSize",
     "Channels",
+    "Checkpoint",
     "Column",
     "ConvergedExtraction",
     "Copies",

@@ -60,8 +60,8 @@ def _content(path: Path) -> list[bytes]:
     ("number", "there"),
     [
         (signal.SIGTERM, "about.json"),
-        (signal.SIGKILL, "extraction.course.state"),
-        (signal.SIGTERM, "extraction.course.state"),
+        (signal.SIGKILL, "extraction.sky.state"),
+        (signal.SIGTERM, "extraction.sky.state"),
         (signal.SIGINT, "extraction.release.sky.state"),
         (signal.SIGKILL, "extraction.release.sky.state"),
     ],
@@ -102,7 +102,7 @@ def test_results_are_stored_when_the_batch_system_ends_the_run(
 def ended(inputs: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Directory with the checkpoint of a measurement that was killed."""
     directory = tmp_path_factory.mktemp("ended")
-    _end(inputs, directory / "s.fits", signal.SIGKILL, "extraction.course.state")
+    _end(inputs, directory / "s.fits", signal.SIGKILL, "extraction.sky.state")
     return directory
 
 
@@ -152,7 +152,7 @@ def test_visibilities_that_have_changed_are_refused(
     for name in ("field.ms", "cat.fits"):
         copy = shutil.copytree if (inputs / name).is_dir() else shutil.copy
         copy(inputs / name, tmp_path / name)
-    _end(tmp_path, tmp_path / "s.fits", signal.SIGKILL, "extraction.course.state")
+    _end(tmp_path, tmp_path / "s.fits", signal.SIGKILL, "extraction.sky.state")
     with tables.table(str(tmp_path / "field.ms"), readonly=False, ack=False) as main:
         main.putcell("DATA", 0, main.getcell("DATA", 0) * 2)
     told = _refused(uvshear, tmp_path, *_words(tmp_path, tmp_path / "s.fits", "--resume"))
@@ -169,12 +169,12 @@ def test_another_version_is_refused(
 
 
 def test_a_damaged_checkpoint_is_refused(inputs: Path, copied: Path, uvshear: Callable) -> None:
-    path = copied / "s.checkpoint" / "extraction.course.state"
+    path = copied / "s.checkpoint" / "extraction.sky.state"
     content = bytearray(path.read_bytes())
     content[len(content) // 2] ^= 1
     path.write_bytes(content)
     told = _refused(uvshear, copied, *_words(inputs, copied / "s.fits", "--resume"))
-    assert "extraction.course.state: is a damaged part of a checkpoint" in told
+    assert "extraction.sky.state: is a damaged part of a checkpoint" in told
 
 
 def test_memory_and_threads_may_change(inputs: Path, copied: Path, uvshear: Callable) -> None:

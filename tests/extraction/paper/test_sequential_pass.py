@@ -7,8 +7,8 @@ from tests.extraction.fields import BRIGHT, FAINT, OPTIONS, field_of, pair
 from uvshear.constants import ARCSEC
 from uvshear.extraction.paper import sequential_pass
 from uvshear.extraction.paper.exact import ExactFacets
-from uvshear.extraction.paper.paper_course import PaperCourse
 from uvshear.extraction.paper.paper_sky import PaperSky
+from uvshear.extraction.paper.paper_state import PaperState
 from uvshear.extraction.paper.sequential_pass import SequentialPass, batches
 from uvshear.shapes.measurement import FitFlag
 
@@ -39,12 +39,12 @@ def test_a_batch_is_no_larger_than_memory_allows(scene, monkeypatch):
 
 def test_each_pass_improves_the_sky(scene):
     _, field, truth = scene
-    course = PaperCourse(PaperSky(field.sky))
-    skies = [course.sky]
+    reached = PaperState(PaperSky(field.sky))
+    skies = [reached.sky]
     for _ in range(2):
         for batch in batches(field, field.measured, 60 * ARCSEC):
-            course = _run(scene).improve(course, batch)
-        skies.append(course.sky)
+            reached = _run(scene).improve(reached, batch)
+        skies.append(reached.sky)
     errors = [np.abs(sky.sky.ellipticity - truth.ellipticity).max() for sky in skies]
     assert errors[2] < errors[1] < errors[0]
     assert [sky.major_cycles for sky in skies] == [0, 2, 4]
@@ -53,13 +53,13 @@ def test_each_pass_improves_the_sky(scene):
 
 def test_a_measurement_gives_shapes_and_the_sky_that_they_make(scene):
     observation, field, _ = scene
-    rows, course = [], PaperCourse(PaperSky(field.sky))
+    rows, reached = [], PaperState(PaperSky(field.sky))
     for batch in batches(field, field.measured, 60 * ARCSEC):
-        course = _run(scene, rows.append).measure(course, batch)
-    shapes = course.measurements
+        reached = _run(scene, rows.append).measure(reached, batch)
+    shapes = reached.measurements
     assert {shape.flag for shape in shapes.values()} == {FitFlag.OK}
-    assert course.sky.sky.ellipticity[BRIGHT] == shapes[BRIGHT].best.ellipticity
+    assert reached.sky.sky.ellipticity[BRIGHT] == shapes[BRIGHT].best.ellipticity
     assert sum(rows) == 2 * len(observation.blocks[0])
-    again = _run(scene).measure_again(course, np.array([FAINT]))
+    again = _run(scene).measure_again(reached, np.array([FAINT]))
     assert list(again.measured_again) == [FAINT]
     assert again.measurements == shapes

@@ -23,7 +23,12 @@ from functools import partial
 from uvshear.execution import Executor, single_threaded_libraries
 from uvshear.extraction.converged.acceleration import Cycle, next_sky
 from uvshear.extraction.converged.baselines import Baselines
-from uvshear.extraction.converged.course import Course, load_baselines, load_course, save_course
+from uvshear.extraction.converged.extraction_state import (
+    ExtractionState,
+    load_baselines,
+    load_extraction,
+    save_extraction,
+)
 from uvshear.extraction.converged.history import History
 from uvshear.extraction.converged.major_cycle import first_major_cycle, next_major_cycle
 from uvshear.extraction.converged.minor_cycle import run_minor_cycle
@@ -123,7 +128,7 @@ class ConvergedExtraction(Extraction):
             found = self._extract(observation, field, setting, executor, meter, baselines)
             if found is None:
                 baselines = baselines.without_short_ones()
-                save_course(setting.store, Course(baselines))
+                save_extraction(setting.store, ExtractionState(baselines))
                 found = self._extract(observation, field, setting, executor, meter, baselines)
         assert found is not None
         return found
@@ -149,17 +154,17 @@ class ConvergedExtraction(Extraction):
         )
         cycles = _Cycles(self, planner, gridding, executor, meter, bool(setting.keep))
 
-        course = load_course(store, baselines, modelled)
-        while not course.has_converged:
-            if not course.awaits_minor_cycle:
-                course = cycles.with_major_cycle(course, observation)
-                save_course(store, course)
-            course = cycles.with_minor_cycle(course, on_fit)
-            if course.history.is_diverging and baselines.limit > 0:
+        reached = load_extraction(store, baselines, modelled)
+        while not reached.has_converged:
+            if not reached.awaits_minor_cycle:
+                reached = cycles.with_major_cycle(reached, observation)
+                save_extraction(store, reached)
+            reached = cycles.with_minor_cycle(reached, on_fit)
+            if reached.history.is_diverging and baselines.limit > 0:
                 return None
-            save_course(store, course)
+            save_extraction(store, reached)
 
-        state, history = course.state, course.history
+        state, history = reached.sky, reached.history
         assert state is not None
         measurements = measure_shapes(
             state, modelled, history, executor, on_shape, store.results("posteriors")
@@ -199,7 +204,7 @@ class ConvergedExtraction(Extraction):
 
 @dataclass(frozen=True)
 class _Cycles:
-    """The major and minor cycles of an extraction, from one course to the next."""
+    """The major and minor cycles of an extraction, from one state of the extraction to the next."""
 
     extraction: ConvergedExtraction
     planner: Planner
@@ -213,11 +218,13 @@ class _Cycles:
         """Number of major cycles without the longest baselines."""
         return min(WITHOUT_LONGEST, self.extraction.most_major_cycles - 1)
 
-    def with_major_cycle(self, course: Course, observation: Observation) -> Course:
+    def with_major_cycle(
+        self, reached: ExtractionState, observation: Observation
+    ) -> ExtractionState:
         """Subtract the sky that the last cycles suggest, and gather the residual."""
-        state, number, planner, meter = course.state, len(course.history), self.planner, self.meter
+        state, number, planner, meter = reached.sky, len(reached.history), self.planner, self.meter
         modelled = planner.modelled
-        fits = modelled.expected if state is None else next_sky(state, course.cycles)
+        fits = modelled.expected if state is None else next_sky(state, reached.cycles)
         plan = planner.plan_roughly(fits) if number < self.rough_cycles else planner.plan(fits)
         workload = Workload(planner, self.rough_cycles, self.keeps_statistics)
         meter.expect(workload.foreseen(number, plan))
@@ -230,28 +237,28 @@ class _Cycles:
             cycle = next_major_cycle(observation, plan, known, sky, self.gridding, meter.add)
         couplings = state.linearisation if state and number >= COUPLED else None
         state = SkyState.from_major_cycle(cycle, modelled.sources, fits, self.executor, couplings)
-        return replace(course, state=state, awaits_minor_cycle=True)
+        return replace(reached, sky=state, awaits_minor_cycle=True)
 
-    def with_minor_cycle(self, course: Course, on_fit: OnFit) -> Course:
+    def with_minor_cycle(self, reached: ExtractionState, on_fit: OnFit) -> ExtractionState:
         """Fit the sources to the residual of the last major cycle."""
-        state, number, extraction = course.state, len(course.history), self.extraction
+        state, number, extraction = reached.sky, len(reached.history), self.extraction
         assert state is not None
         tolerance = extraction.tolerance if number else max(extraction.tolerance, ROUGH)
         minor = run_minor_cycle(state, tolerance, self.executor, on_fit, afresh=number < AFRESH)
-        state, cycles = minor.state, course.cycles
+        state, cycles = minor.state, reached.cycles
         # The first step, from the catalogue, tells nothing of those near the maximum of the likelihood.
         if number:
             cycles = (*cycles, Cycle.from_state(state, self.planner.modelled.expected))
-        history = course.history.with_cycle(minor.change, minor.moves)
+        history = reached.history.with_cycle(minor.change, minor.moves)
         is_last = (
             history.left_undone < extraction.tolerance
             or len(history) >= extraction.most_major_cycles
         )
         return replace(
-            course,
+            reached,
             history=history,
             cycles=cycles,
-            state=state,
+            sky=state,
             awaits_minor_cycle=False,
             has_converged=state.interaction.plan.has_all_baselines and is_last,
         )

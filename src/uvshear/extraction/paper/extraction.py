@@ -18,8 +18,8 @@ from uvshear.extraction.extraction import Extracted, Extraction, Setting
 from uvshear.extraction.field import Field
 from uvshear.extraction.paper.cell_average import CellAverageFacets, PaperTable
 from uvshear.extraction.paper.facets import FacetMethod
-from uvshear.extraction.paper.paper_course import PaperCourse
 from uvshear.extraction.paper.paper_sky import PaperSky
+from uvshear.extraction.paper.paper_state import PaperState
 from uvshear.extraction.paper.sequential_pass import SequentialPass, batches
 from uvshear.interferometer.visibilities import Observation
 from uvshear.progress import Meter, Progress
@@ -31,7 +31,7 @@ BAD: Final = frozenset(
 """Flags of sources that are fitted again with a better sky; it does not help a source that the baselines do not
 determine."""
 
-_COURSE: Final = "course"
+_SKY: Final = "sky"
 
 
 @dataclass(frozen=True)
@@ -69,24 +69,24 @@ class PaperExtraction(Extraction):
         meter, store = Meter(progress), setting.store
         run = SequentialPass(observation, field, setting, self.facet, meter.add)
         order = batches(field, field.measured, self.separation)
-        course: PaperCourse = store.load(_COURSE) or PaperCourse(PaperSky(field.sky))
+        reached: PaperState = store.load(_SKY) or PaperState(PaperSky(field.sky))
         first = self.passes * len(order)
-        meter.expect((first - min(course.batches, first)) * field.summary.rows)
-        while course.batches < first:
-            fit = run.improve if course.batches < first - len(order) else run.measure
-            course = fit(course, order[course.batches % len(order)])
+        meter.expect((first - min(reached.batches, first)) * field.summary.rows)
+        while reached.batches < first:
+            fit = run.improve if reached.batches < first - len(order) else run.measure
+            reached = fit(reached, order[reached.batches % len(order)])
             if store.is_due:
-                store.save(_COURSE, course)
-        bad = [source for source, shape in course.measurements.items() if shape.flag in BAD]
-        if bad and course.batches == first:
-            course = replace(course, sky=course.sky.without_starts(bad))
+                store.save(_SKY, reached)
+        bad = [source for source, shape in reached.measurements.items() if shape.flag in BAD]
+        if bad and reached.batches == first:
+            reached = replace(reached, sky=reached.sky.without_starts(bad))
         again = batches(field, np.array(bad), self.separation) if bad else []
-        meter.expect((first + len(again) - course.batches) * field.summary.rows)
-        while course.batches < first + len(again):
-            course = run.measure_again(course, again[course.batches - first])
+        meter.expect((first + len(again) - reached.batches) * field.summary.rows)
+        while reached.batches < first + len(again):
+            reached = run.measure_again(reached, again[reached.batches - first])
             if store.is_due:
-                store.save(_COURSE, course)
-        sky, measurements = course.sky, {**course.measurements, **course.measured_again}
+                store.save(_SKY, reached)
+        sky, measurements = reached.sky, {**reached.measurements, **reached.measured_again}
         return Extracted(
             measurements=measurements,
             sky=sky.sky,

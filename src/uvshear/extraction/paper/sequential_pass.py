@@ -10,8 +10,8 @@ from uvshear.extraction.extraction import Setting
 from uvshear.extraction.field import Field
 from uvshear.extraction.paper.facet_gathering import FacetAccumulator
 from uvshear.extraction.paper.facets import FacetMethod, Target
-from uvshear.extraction.paper.paper_course import PaperCourse
 from uvshear.extraction.paper.paper_sky import PaperSky
+from uvshear.extraction.paper.paper_state import PaperState
 from uvshear.extraction.schedule import fitting_levels
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.facet import Facet
@@ -66,20 +66,20 @@ class SequentialPass:
     facet: FacetMethod
     on_rows: Callable[[int], None]
 
-    def improve(self, course: PaperCourse, batch: Batch) -> PaperCourse:
+    def improve(self, reached: PaperState, batch: Batch) -> PaperState:
         """Fit the sources of a batch, and improve the sky with them."""
-        sky, fits = self._fit_batch(course.sky, batch, self._fit)
-        return course.with_sky(sky.with_fits(self.field, batch.tolist(), fits))
+        sky, fits = self._fit_batch(reached.sky, batch, self._fit)
+        return reached.with_sky(sky.with_fits(self.field, batch.tolist(), fits))
 
-    def measure(self, course: PaperCourse, batch: Batch) -> PaperCourse:
+    def measure(self, reached: PaperState, batch: Batch) -> PaperState:
         """Fit the sources of a batch and sample their posteriors, and improve the sky with them."""
-        sky, found = self._measured(course.sky, batch)
-        return replace(course.with_sky(sky), measurements={**course.measurements, **found})
+        sky, found = self._measured(reached.sky, batch)
+        return replace(reached.with_sky(sky), measurements={**reached.measurements, **found})
 
-    def measure_again(self, course: PaperCourse, batch: Batch) -> PaperCourse:
+    def measure_again(self, reached: PaperState, batch: Batch) -> PaperState:
         """Measure the sources of a batch a second time, after the first measurement of all others."""
-        sky, found = self._measured(course.sky, batch)
-        return replace(course.with_sky(sky), measured_again={**course.measured_again, **found})
+        sky, found = self._measured(reached.sky, batch)
+        return replace(reached.with_sky(sky), measured_again={**reached.measured_again, **found})
 
     def _measured(
         self, sky: PaperSky, batch: Batch

@@ -1,4 +1,4 @@
-"""How far the paper's extraction has come."""
+"""The state of the paper's extraction between two batches of sources."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -9,8 +9,8 @@ from uvshear.shapes.measurement import ShapeMeasurement
 
 
 @dataclass(frozen=True)
-class PaperCourse:
-    """The state between two batches of sources.
+class PaperState:
+    """How far the extraction has come.
 
     Parameters
     ----------
@@ -30,5 +30,5 @@ class PaperCourse:
     measured_again: Mapping[int, ShapeMeasurement] = field(default_factory=dict)
 
     def with_sky(self, sky: PaperSky) -> Self:
-        """Return the course after another batch."""
+        """Return the state after another batch."""
         return replace(self, sky=sky, batches=self.batches + 1)

@@ -11,7 +11,12 @@ from tests.extraction.stores import InterruptingStore, InterruptionError
 from uvshear.estimators.moments import Moments
 from uvshear.execution import Copies, Resources
 from uvshear.extraction.converged.baselines import Baselines
-from uvshear.extraction.converged.course import Course, load_baselines, load_course, save_course
+from uvshear.extraction.converged.extraction_state import (
+    ExtractionState,
+    load_baselines,
+    load_extraction,
+    save_extraction,
+)
 from uvshear.extraction.converged.history import History
 from uvshear.pipeline.identity import canonical
 
@@ -43,8 +48,8 @@ def whole(scene):
 
 def test_every_stage_is_stored(whole):
     _, events = whole
-    assert events.count("course") >= 4  # two major cycles and their minor cycles
-    assert events.index("beams") < events.index("course")
+    assert events.count("sky") >= 4  # two major cycles and their minor cycles
+    assert events.index("beams") < events.index("sky")
     assert events[-7:] == [*["posteriors"] * 2, *["release.sky"] * 3, *["statistics"] * 2]
 
 
@@ -77,30 +82,30 @@ def _baselines(shortest):
     return Baselines(shortest, 1e5, 1e5, np.full(2, 1e5), shortest)
 
 
-def test_a_course_of_other_baselines_is_not_taken_up():
+def test_a_state_of_other_baselines_is_not_taken_up():
     store = InterruptingStore()
     assert load_baselines(store, _baselines(10.0)).shortest == 10.0
-    save_course(store, Course(_baselines(0.0), History((1.0,), (2.0,), ((),))))
+    save_extraction(store, ExtractionState(_baselines(0.0), History((1.0,), (2.0,), ((),))))
     assert load_baselines(store, _baselines(10.0)).shortest == 0.0
     modelled = touching_pair().modelled
-    assert len(load_course(store, _baselines(0.0), modelled).history) == 1
-    assert len(load_course(store, _baselines(10.0), modelled).history) == 0
+    assert len(load_extraction(store, _baselines(0.0), modelled).history) == 1
+    assert len(load_extraction(store, _baselines(10.0), modelled).history) == 0
 
 
-def test_a_course_whose_beams_are_not_stored_begins_anew():
+def test_a_state_whose_beams_are_not_stored_begins_anew():
     """The disk may have been full for a moment."""
     prepared = touching_pair()
     store, used = InterruptingStore(), prepared.planner.baselines
-    save_course(store, Course(used, state=prepared.state, awaits_minor_cycle=True))
-    assert load_course(store, used, prepared.modelled).awaits_minor_cycle
+    save_extraction(store, ExtractionState(used, sky=prepared.state, awaits_minor_cycle=True))
+    assert load_extraction(store, used, prepared.modelled).awaits_minor_cycle
     del store.states["beams"]
-    assert load_course(store, used, prepared.modelled).state is None
+    assert load_extraction(store, used, prepared.modelled).sky is None
 
 
 def test_nothing_is_stored_before_a_minor_cycle_unless_much_would_be_lost():
     store = InterruptingStore()
     store.is_due = False
-    save_course(store, Course(_baselines(0.0), awaits_minor_cycle=True))
+    save_extraction(store, ExtractionState(_baselines(0.0), awaits_minor_cycle=True))
     assert store.events == []
-    save_course(store, Course(_baselines(0.0)))
-    assert store.events == ["course"]
+    save_extraction(store, ExtractionState(_baselines(0.0)))
+    assert store.events == ["sky"]

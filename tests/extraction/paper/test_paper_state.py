@@ -9,8 +9,8 @@ from tests.extraction.stores import InterruptingStore, InterruptionError
 from uvshear.extraction import PaperExtraction
 from uvshear.extraction.paper import extraction as of_paper
 from uvshear.extraction.paper.exact import ExactFacets
-from uvshear.extraction.paper.paper_course import PaperCourse
 from uvshear.extraction.paper.paper_sky import PaperSky
+from uvshear.extraction.paper.paper_state import PaperState
 from uvshear.pipeline.identity import canonical
 from uvshear.shapes.measurement import FitFlag
 
@@ -24,9 +24,9 @@ def scene():
 def test_the_batches_are_counted(scene):
     _, field = scene
     sky = PaperSky(field.sky)
-    course = PaperCourse(sky).with_sky(sky).with_sky(sky)
-    assert course.batches == 2
-    assert course.measurements == {}
+    reached = PaperState(sky).with_sky(sky).with_sky(sky)
+    assert reached.batches == 2
+    assert reached.measurements == {}
 
 
 @pytest.mark.parametrize("bad", [frozenset(), frozenset({FitFlag.OK})], ids=["good", "bad"])
@@ -43,7 +43,7 @@ def test_an_extraction_that_was_interrupted_anywhere_ends_with_the_same_bits(
 
     store = InterruptingStore()
     expected, events = canonical(run(store)), store.events
-    assert events == ["course"] * (6 if bad else 4)
+    assert events == ["sky"] * (6 if bad else 4)
     for moment in range(1, len(events) + 1):
         store = InterruptingStore()
         with pytest.raises(InterruptionError):
@@ -58,6 +58,6 @@ def test_a_sky_that_was_stored_has_the_powers_of_its_facets(scene):
     store = InterruptingStore()
     paper = PaperExtraction(ExactFacets(), passes=2)
     paper.extract(observation, field, replace(OPTIONS.setting, store=store))
-    kept = store.load("course")
+    kept = store.load("sky")
     assert sorted(kept.sky.power) == [0, 1]
     assert all(len(power) > 100 for power in kept.sky.power.values())
