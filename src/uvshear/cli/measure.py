@@ -24,6 +24,7 @@ from uvshear.cli.options import (
 )
 from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import DATA, METHOD, MODEL, OUTPUT, RESOURCES, GroupedCommand
+from uvshear.cli.progress_report import LogOption, begin_log, checked_log, progress_report
 from uvshear.cli.reading import (
     ColumnOption,
     ConjugateOption,
@@ -34,7 +35,7 @@ from uvshear.cli.reading import (
 )
 from uvshear.cli.registered import PROFILES, named_by, profile_named_by_option
 from uvshear.cli.residual_images import checked_residual_image, draw_residual
-from uvshear.cli.terminal import notes_of_warnings, progress_bar, remarks, say, shorten
+from uvshear.cli.terminal import notes_of_warnings, remarks, say, shorten
 from uvshear.cli.weightings import (
     GaussianTaperOption,
     InnerTukeyTaperOption,
@@ -243,6 +244,7 @@ def measure(
             show_default=False,
         ),
     ] = None,
+    log: LogOption = None,
     overwrite: Overwrite = False,
     threads: Threads = 0,
     memory_gb: Annotated[
@@ -277,7 +279,7 @@ def measure(
     from uvshear.pipeline.outcome import tally, why_none_was_measured
 
     check_outputs(output, overwrite=overwrite)
-    outputs = [output, *companions(output)]
+    outputs = [output, *companions(output), *checked_log(log, overwrite=overwrite)]
     if residual_image is not None:
         outputs += checked_residual_image(residual_image, overwrite=overwrite)
     reserve(context, outputs, [*measurement_sets, file_of(catalogue)])
@@ -298,8 +300,12 @@ def measure(
             f"--extraction {extraction} --primary-beam {primary_beam}: this extraction cannot model a"
             " primary beam; use --extraction converged"
         )
-    frequency = None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6
-    sources = catalogue_of_options(catalogue, flux_unit, column_map, frequency)
+    sources = catalogue_of_options(
+        catalogue,
+        flux_unit,
+        column_map,
+        None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6,
+    )
     reading = reading_of(
         column,
         field,
@@ -317,7 +323,8 @@ def measure(
         primary_beam=beam_of_observation(primary_beam, observation),
         smears=smearing,
     )
-    with notes_of_warnings(), progress_bar("measuring") as progress:
+    logged = begin_log(context, log, [*measurement_sets, catalogue], overwrite=overwrite)
+    with notes_of_warnings(), progress_report("measuring", logged) as progress:
         # It becomes the error with which the command ends.
         warnings.simplefilter("ignore", NothingMeasuredWarning)
         measurement = measure_sources(
@@ -342,7 +349,7 @@ def measure(
     if residual_image is not None:
         from uvshear.io.images import write_residual_image
 
-        with progress_bar("imaging") as progress:
+        with progress_report("imaging", logged) as progress:
             images = measurement.residual_image(progress=progress)
         write_residual_image(
             residual_image,

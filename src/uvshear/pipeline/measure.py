@@ -67,7 +67,8 @@ def measure(
     resources
         Executor and memory.
     progress
-        Function called with the work done so far and the total work.
+        Function called with the work done so far and the total work, or an observer of the stages
+        (``uvshear.progress.Observer``).
 
     Raises
     ------
@@ -89,7 +90,8 @@ def measure(
     )
     sources = catalogue_of(catalogue)
     check_identifiers(sources.identifier)
-    prepared = Prepared.from_observation(observation_of(observation), sources, options)
+    seen = observation_of(observation)
+    prepared = Prepared.from_observation(seen, sources, options, progress)
     check_field(sources, prepared.observation.phase_centre, prepared.field.flags)
     checks, sky = prepared.checks, prepared.field.sky
     before = (
@@ -128,9 +130,9 @@ def _extract_with_noise(
     the sources are measured once more.
     """
     first_sky, uv_range = prepared.field.sky, prepared.field.uv_range
-    prepared = prepared.with_noise_of_data(first_sky, uv_range)
+    prepared = prepared.with_noise_of_data(first_sky, uv_range, progress)
     extracted = _extract(prepared, progress)
-    corrected = prepared.with_noise_of_data(extracted.sky, extracted.uv_range)
+    corrected = prepared.with_noise_of_data(extracted.sky, extracted.uv_range, progress)
     if corrected is not prepared:
         prepared, extracted = corrected, _extract(corrected, progress)
     return prepared, extracted

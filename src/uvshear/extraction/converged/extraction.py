@@ -18,11 +18,11 @@ The next major cycle corrects them, because its residual is exact.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 
 from uvshear.execution import Executor, single_threaded_libraries
 from uvshear.extraction.converged.acceleration import Cycle, next_sky
 from uvshear.extraction.converged.baselines import Baselines
+from uvshear.extraction.converged.foresight import Foresight
 from uvshear.extraction.converged.history import History
 from uvshear.extraction.converged.major_cycle import first_major_cycle, next_major_cycle
 from uvshear.extraction.converged.minor_cycle import run_minor_cycle
@@ -33,7 +33,7 @@ from uvshear.extraction.converged.release import release
 from uvshear.extraction.converged.shapes import measure_shapes
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.extraction.converged.statistics import keep_statistics
-from uvshear.extraction.converged.workload import FIT, POSTERIOR, STATISTICS, Workload
+from uvshear.extraction.converged.workload import Workload
 from uvshear.extraction.extraction import Extracted, Extraction, Setting
 from uvshear.extraction.field import Field
 from uvshear.interferometer.held_observation import HELD_PART, HeldObservation
@@ -140,11 +140,13 @@ class ConvergedExtraction(Extraction):
         planner = Planner.from_field(modelled, baselines, self.scale_lengths, epsilon)
         gridding = Gridding.within(setting.resources, field.summary.samples, epsilon)
         gridding = replace(gridding, memory=(1 - HELD_PART) * gridding.memory)
-        on_fit, on_shape, on_statistics = (
-            partial(meter.add, work) for work in (FIT, POSTERIOR, STATISTICS)
-        )
         rough_cycles = min(WITHOUT_LONGEST, self.most_major_cycles - 1)
-        workload = Workload(planner, rough_cycles, bool(setting.keep))
+        workload = Workload(
+            planner,
+            Foresight(self.tolerance, rough_cycles, self.most_major_cycles),
+            setting.keep,
+            epsilon,
+        )
 
         state: SkyState | None = None
         history = History()
@@ -153,40 +155,52 @@ class ConvergedExtraction(Extraction):
             fits = modelled.expected if state is None else next_sky(state, cycles)
             is_rough = len(history) < rough_cycles
             plan = planner.plan_roughly(fits) if is_rough else planner.plan(fits)
-            meter.expect(workload.foreseen(len(history), plan))
+            stages = workload.stages(history, plan)
+            meter.begin(*stages)
             sky = planner.subtracted(fits)
             if state is None:
-                beams = planner.plan_beams()
-                cycle = first_major_cycle(observation, plan, beams, sky, gridding, meter.add)
+                cycle = first_major_cycle(
+                    observation,
+                    plan,
+                    planner.plan_beams(),
+                    sky,
+                    gridding,
+                    meter.add,
+                    workload.share_of_beams,
+                )
             else:
                 known = state.interaction.beams
                 cycle = next_major_cycle(observation, plan, known, sky, gridding, meter.add)
+            meter.begin(*stages[1:])
             couplings = state.linearisation if state and len(history) >= COUPLED else None
             state = SkyState.from_major_cycle(cycle, modelled.sources, fits, executor, couplings)
             tolerance = self.tolerance if history else max(self.tolerance, ROUGH)
             minor = run_minor_cycle(
-                state, tolerance, executor, on_fit, afresh=len(history) < AFRESH
+                state, tolerance, executor, meter.add, afresh=len(history) < AFRESH
             )
             state = minor.state
             # The first step, from the catalogue, tells nothing of those near the maximum of the likelihood.
             if history:
                 cycles.append(Cycle.from_state(state, modelled.expected))
             history = history.with_cycle(minor.change, minor.moves)
+            meter.note(**history.last())
             if history.is_diverging and baselines.limit > 0:
                 return None
             is_last = history.left_undone < self.tolerance or len(history) >= self.most_major_cycles
             if plan.has_all_baselines and is_last:
                 break
 
-        measurements = measure_shapes(state, modelled, history, executor, on_shape)
+        meter.begin(*workload.ending)
+        measurements = measure_shapes(state, modelled, history, executor, meter.add)
         record = self._record(history, baselines)
         statistics: Mapping[int, Kept] = {}
         if setting.keep:
-            released, moved = release(state, self.tolerance / 2, executor, on_fit)
-            statistics = keep_statistics(
-                released, modelled, setting, centre, executor, on_statistics
-            )
+            meter.begin(*workload.ending[1:])
+            released, moved = release(state, self.tolerance / 2, executor, meter.add)
             record["released"] = [round(rms, 4) for rms in moved]
+            meter.note(moves=record["released"])
+            meter.begin(*workload.ending[2:])
+            statistics = keep_statistics(released, modelled, setting, centre, executor, meter.add)
         meter.finish()
         return Extracted(
             measurements=measurements,

@@ -21,7 +21,7 @@ from uvshear.extraction.paper.facets import FacetMethod
 from uvshear.extraction.paper.paper_sky import PaperSky
 from uvshear.extraction.paper.sequential_pass import SequentialPass, batches
 from uvshear.interferometer.visibilities import Observation
-from uvshear.progress import Meter, Progress
+from uvshear.progress import Meter, Progress, Stage
 from uvshear.shapes.measurement import FitFlag
 
 BAD: Final = frozenset(
@@ -67,7 +67,8 @@ class PaperExtraction(Extraction):
         run = SequentialPass(observation, field, setting, self.facet, meter.add)
         sky = PaperSky(field.sky)
         order = batches(field, field.measured, self.separation)
-        meter.expect(self.passes * len(order) * field.summary.rows)
+        rows = self.passes * len(order) * field.summary.rows
+        meter.begin(Stage("sources", rows, rows, "rows"))
         for _ in range(self.passes - 1):
             sky = run.improve(sky, order)
         sky, measurements = run.measure(sky, order)
