@@ -43,18 +43,16 @@ class Recorder(Observer):
 
     def begin(self, stage: Stage, *then: Stage) -> None:
         """Write down that a stage begins."""
-        stages = [
-            [each.name, float(f"{each.cost:.4g}"), round(each.amount, 1), each.unit, each.kind]
-            for each in (stage, *then)
-        ]
-        self._write("begin", stages)
+        self._write("begin", [_values(each) for each in (stage, *then)])
 
     def advance(self, done: float, expected: float) -> None:
         """Write down how far the stage is."""
         self._write("advance", [round(done, 1), round(expected, 1)])
 
     def note(self, facts: Mapping[str, object]) -> None:
-        """Write down nothing: facts do not enter the time that is left."""
+        """Write down how much a cycle has changed the sky."""
+        if "change_rms" in facts:
+            self._write("note", [facts["change_rms"]])
 
     def finish(self) -> None:
         """Write down that the last stage has ended."""
@@ -62,6 +60,11 @@ class Recorder(Observer):
 
     def _write(self, what: str, values: list[Any]) -> None:
         self.events.append([round(time.perf_counter() - self.start, 3), what, values])
+
+
+def _values(stage: Stage) -> list[Any]:
+    numbers = [float(f"{each:.4g}") for each in (stage.cost, stage.amount, stage.pace)]
+    return [stage.name, *numbers[:2], stage.unit, stage.kind, numbers[2]]
 
 
 def thinned(events: list[Event], total: float) -> list[Event]:

@@ -21,13 +21,11 @@ class ProgressLines(Observer):
         What is being done.
     course
         The course, which has heard of each report before.
-    every
-        Time between lines [s].
     """
 
-    def __init__(self, description: str, course: Course, every: float = EVERY) -> None:
-        self._description, self._course, self._every = description, course, every
-        self._due = every
+    def __init__(self, description: str, course: Course) -> None:
+        self._description, self._course = description, course
+        self._due = EVERY
 
     def begin(self, stage: Stage, *then: Stage) -> None:
         """Show a line if it is time."""
@@ -46,5 +44,5 @@ class ProgressLines(Observer):
     def _show_if_due(self) -> None:
         elapsed = self._course.elapsed
         if elapsed >= self._due:
-            self._due = (elapsed // self._every + 1) * self._every
+            self._due = (elapsed // EVERY + 1) * EVERY
             typer.echo(line_about(self._description, self._course), err=True)

@@ -20,6 +20,8 @@ class Stage:
     kind
         Stages of one kind have costs that are wrong by about the same factor. Each stage is of its own kind unless
         given.
+    pace
+        Time that a unit of work takes, as far as it is known beforehand [s]; 0 if it is not known.
     """
 
     name: str
@@ -27,6 +29,7 @@ class Stage:
     amount: float = 0.0
     unit: str = ""
     kind: str = ""
+    pace: float = 0.0
 
     @property
     def unit_cost(self) -> float:

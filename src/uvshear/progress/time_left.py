@@ -5,7 +5,8 @@ The cost of every stage is estimated beforehand (``Stage.cost``), and a stage ta
     seconds = cost * pace of its kind.
 
 The pace of a kind is known once a stage of this kind has been seen; of a kind that has not been seen, it is taken to be
-that of all work so far. The pace of the stage that is under way moves from there to what it shows itself.
+that of all work so far. The pace of the stage that is under way moves from there to what it shows itself. Before much
+has been seen, the pace that is known beforehand (``Stage.pace``) counts as well.
 """
 
 from collections.abc import Sequence
@@ -13,8 +14,11 @@ from dataclasses import dataclass
 
 from uvshear.progress.stage import Stage
 
-SEEN, UNSEEN = 0.5, 0.1
+SEEN, UNSEEN = 0.5, 0.3
 """Part of a stage after which its own pace counts as much as that of earlier stages, of its kind or of other kinds."""
+
+BEFOREHAND = 0.05
+"""Part of all work that has to be done before the pace that it shows counts as much as the one known beforehand."""
 
 OVERDUE = 0.1
 """Time that a stage needs at least to its next report, over what it was expected to need."""
@@ -88,13 +92,18 @@ def time_left(
         return None
     part = running.so_far
     known = [each for each in (*finished, part) if each.cost > 0]
-    overall = pace(known)
+    foreseen = known
+    if running.stage.pace > 0:
+        whole = running.cost - part.cost + sum(each.cost for each in (*known, *then))
+        imagined = BEFOREHAND * whole
+        foreseen = [*known, Finished("", imagined, imagined * running.stage.pace)]
+    overall = pace(foreseen)
     if overall is None:
         return None
     before = pace([each for each in finished if each.kind == part.kind])
     # What the stage has shown counts in proportion to the part of it that is done.
     weight = running.cost * (UNSEEN if before is None else SEEN)
-    expected = before if before is not None else (pace(finished) or overall)
+    expected = overall if before is None else before
     own = (part.seconds + weight * expected) / (part.cost + weight) if part.cost else expected
     left = (running.cost - part.cost) * own
     left = max(left - (now - running.reported), OVERDUE * left)

@@ -33,9 +33,19 @@ def test_rough_cycles_and_a_whole_one_come_first():
     assert FORESIGHT.cycles_to_come(history(1.0, 1e-3)) == 1
 
 
-@pytest.mark.parametrize("changes", [(16.0, 8.0), (2.0, 1.4), (9.0, 3.0, 1.0), (5.0, 0.5, 0.2)])
+@pytest.mark.parametrize("changes", [(99.0, 9.0, 3.0, 1.0), (50.0, 9.0, 6.3), (9.0, 5.0, 0.5)])
 def test_changes_go_on_to_shrink_as_they_did(changes):
     assert FORESIGHT.cycles_to_come(history(*changes)) == needed(*changes)
+
+
+def test_the_first_change_shrinks_faster_than_later_ones():
+    # Then 1.28 is left undone, and 0.41, 0.13 and 0.04 after three more.
+    assert FORESIGHT.cycles_to_come(history(20.0, 4.0)) == 3
+    # Measured before SKA-Mid (8 h), before SKA-Mid (6 min) and before the VLA (A): three, four and three cycles.
+    assert FORESIGHT.cycles_to_come(history(11.7, 0.83)) == 1
+    assert FORESIGHT.cycles_to_come(history(11.9, 2.34)) == 2
+    assert FORESIGHT.cycles_to_come(history(16.9, 1.96)) == 1
+    assert FORESIGHT.cycles_to_come(history(11.7)) == 2
 
 
 def test_no_more_cycles_are_foreseen_than_are_done():

@@ -13,6 +13,10 @@ from uvshear.extraction.converged.workload import STATISTICS, Workload
 class OfOneself:
     """A statistic that does not state its cost."""
 
+    @property
+    def columns(self):
+        return {}
+
     def statistic(self, source):
         return None
 
@@ -46,7 +50,7 @@ def test_rough_cycles_and_a_whole_one_are_taken_for_granted(planner, plan):
 def test_as_many_cycles_are_foreseen_as_it_takes_to_converge(planner, plan):
     history = History()
     for change in (8.0, 4.0, 2.0):
-        history = history.with_cycle(np.array([change]), ())
+        history = history.with_cycle(np.array([change]), ((change, 0.1),))
     stages = workload(planner).stages(history, plan)
     # 1, 0.5, 0.25, 0.125, and 0.0625 is left undone.
     assert names(stages)[:2] == ["major cycle 4", "minor cycle 4"]

@@ -146,6 +146,7 @@ class ConvergedExtraction(Extraction):
             Foresight(self.tolerance, rough_cycles, self.most_major_cycles),
             setting.keep,
             epsilon,
+            executor.workers,
         )
 
         state: SkyState | None = None

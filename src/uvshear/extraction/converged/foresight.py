@@ -2,14 +2,24 @@
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 from uvshear.extraction.converged.history import History
 
-USUAL_SHRINKAGE = 0.3
-"""Factor from one change of the sky to the next where nothing is known of it."""
+FIRST_SHRINKAGE = 0.1
+"""Usual factor from the first change of the sky, which begins with the catalogue, to the second one."""
+
+SLOWER = 1.6
+"""Ratio of the next factor to this first one. For fields of SKA-Mid and of the VLA (A) it is between 1.6 and 2.6."""
+
+REMEMBERED = 2
+"""Number of the last factors of which the geometric mean is taken to be the next one."""
 
 LEAST_SHRINKAGE, MOST_SHRINKAGE = 0.05, 0.8
 """Range of the factors that are believed."""
+
+_NOTHING = 1e-9
+"""Change that is none [noise]."""
 
 
 @dataclass(frozen=True)
@@ -31,14 +41,23 @@ class Foresight:
     most: int
 
     def cycles_to_come(self, history: History) -> int:
-        """Return the number of further major cycles, if changes go on to shrink as they did in the last one."""
+        """Return the number of further major cycles, if changes go on to shrink as they did in the last ones."""
         known = len(history)
         fewest = self.rough_cycles + 1 - known
         if known == 0:
             return fewest
-        shrinkage = history.shrinkage if known > 1 else USUAL_SHRINKAGE
-        shrinkage = min(max(shrinkage, LEAST_SHRINKAGE), MOST_SHRINKAGE)
+        shrinkage = self._next_shrinkage(history)
         # The sky has converged when the change that another cycle would bring is below the tolerance.
-        left = max(history.change_rms[-1], 1e-9) * shrinkage
+        left = max(history.change_rms[-1], _NOTHING) * shrinkage
         needed = math.ceil(math.log(self.tolerance / left) / math.log(shrinkage))
         return min(max(fewest, needed, 1), max(self.most - known, 1))
+
+    def _next_shrinkage(self, history: History) -> float:
+        """Foresee the factor from one change of the sky to the next."""
+        changes = [max(change, _NOTHING) for change in history.change_rms]
+        factors = [after / before for before, after in pairwise(changes)]
+        if not factors:
+            return FIRST_SHRINKAGE
+        last = factors[1:][-REMEMBERED:] or [SLOWER * factors[0]]
+        mean = math.prod(last) ** (1 / len(last))
+        return min(max(mean, LEAST_SHRINKAGE), MOST_SHRINKAGE)
