@@ -30,6 +30,9 @@ Algorithm: ``Method``
     ``GaussianTaper``, ``TukeyTaper`` and ``RoundPsf``.
 Cores and memory: ``Resources``
     The executor is ``Serial``, ``Copies``, ``Threads`` or ``Processes``.
+Progress
+    The argument ``progress`` of long work takes a function, or an ``Observer`` that is told of each ``Stage``; a
+    ``Course`` is an observer that knows the time that is left.
 Shear
     ``estimate_shear`` returns a ``ShearEstimate``, for which it uses ``Mean``, ``Moments``, ``Bayesian`` or
     ``Metacal``; ``write_shear`` writes the estimate to a file.
@@ -160,6 +163,7 @@ if TYPE_CHECKING:
     from uvshear.pipeline.measurement import Measurement, read_measurement
     from uvshear.pipeline.shear import estimate_shear
     from uvshear.pipeline.simulate import simulate
+    from uvshear.progress import Course, Observer, Stage
     from uvshear.shapes.measurement import FitFlag
     from uvshear.shapes.source_facet import Column, SourceFacet
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
@@ -210,6 +214,7 @@ _HOMES = {
     "pipeline.measurement": "Measurement read_measurement",
     "pipeline.shear": "estimate_shear",
     "pipeline.simulate": "simulate",
+    "progress": "Course Observer Stage",
     "shapes.measurement": "FitFlag",
     "shapes.source_facet": "Column SourceFacet",
     "simulation.lensing": "shear_at_fixed_scale_length shear_galaxies",
@@ -236,6 +241,7 @@ __all__ = [
     "CorrelationNoise",
     "CosineCubedBeam",
     "CosineTaperBeam",
+    "Course",
     "DataWarning",
     "DiscBulge",
     "DiscEllipticityPrior",
@@ -260,6 +266,7 @@ __all__ = [
     "Model",
     "Moments",
     "Noise",
+    "Observer",
     "ObservingPlan",
     "PaperExtraction",
     "PhaseCentre",
@@ -281,6 +288,7 @@ __all__ = [
     "SizeModel",
     "SourceFacet",
     "SquareField",
+    "Stage",
     "StokesINoise",
     "Survey",
     "Terms",

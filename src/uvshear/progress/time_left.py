@@ -94,7 +94,8 @@ def time_left(
     known = [each for each in (*finished, part) if each.cost > 0]
     foreseen = known
     if running.stage.pace > 0:
-        whole = running.cost - part.cost + sum(each.cost for each in (*known, *then))
+        to_come = running.cost - part.cost + sum(stage.cost for stage in then)
+        whole = to_come + sum(each.cost for each in known)
         imagined = BEFOREHAND * whole
         foreseen = [*known, Finished("", imagined, imagined * running.stage.pace)]
     overall = pace(foreseen)
