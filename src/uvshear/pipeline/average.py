@@ -83,6 +83,7 @@ def average(
         if not samples:
             raise InputError("no visibility carries weight; there is nothing to average")
         names = ", ".join(origin_of(part).name for part in parts)
+        meter.finish()
         writer.finish(f"averages over cells of {cells.uv:.4g} x {cells.w:.4g} wavelengths: {names}")
     return Averaged(samples, writer.rows)
 
