@@ -23,6 +23,7 @@ from uvshear.execution import in_threads
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
+from uvshear.progress import Progress
 
 
 def main() -> None:
@@ -61,7 +62,9 @@ def measured(arguments: argparse.Namespace, density: float) -> list:
     )
     estimators = [estimator_of(name) for name in arguments.estimator]
 
-    def measure(observation: VisibilitySet, lensed: Galaxies) -> uvshear.Measurement:
+    def measure(
+        observation: VisibilitySet, lensed: Galaxies, _: Progress | None
+    ) -> uvshear.Measurement:
         catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)
         return uvshear.measure(observation, catalogue, keep=estimators, resources=resources)
 

@@ -20,7 +20,7 @@ TESTED_ELSEWHERE = {
     "compilation.py": "The decorator of the kernels holds no logic.",
     "constants.py": "Constants have no behaviour.",
     "errors.py": "Exceptions have no behaviour.",
-    "progress.py": "Progress is tested with the commands that show it.",
+    "progress/observer.py": "The abstract class is tested with its observers.",
     "typing.py": "Names of types have no behaviour.",
     "**/executor.py": "The abstract class is tested with its executors.",
     "extraction/extraction.py": "The protocol is tested with its algorithms.",

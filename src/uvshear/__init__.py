@@ -31,6 +31,9 @@ Algorithm: ``Method``
     ``GaussianTaper``, ``TukeyTaper`` and ``RoundPsf``.
 Cores and memory: ``Resources``
     The executor is ``Serial``, ``Copies``, ``Threads`` or ``Processes``.
+Progress
+    The argument ``progress`` of long work takes a function, or an ``Observer`` that is told of each ``Stage``; a
+    ``Course`` is an observer that knows the time that is left.
 Shear
     ``estimate_shear`` returns a ``ShearEstimate``, for which it uses ``Mean``, ``Moments``, ``Bayesian`` or
     ``Metacal``; ``write_shear`` writes the estimate to a file.
@@ -162,6 +165,7 @@ if TYPE_CHECKING:
     from uvshear.pipeline.measurement import Measurement, read_measurement
     from uvshear.pipeline.shear import estimate_shear
     from uvshear.pipeline.simulate import simulate
+    from uvshear.progress import Course, Observer, Stage
     from uvshear.shapes.measurement import FitFlag
     from uvshear.shapes.source_facet import Column, SourceFacet
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
@@ -213,6 +217,7 @@ _HOMES = {
     "pipeline.measurement": "Measurement read_measurement",
     "pipeline.shear": "estimate_shear",
     "pipeline.simulate": "simulate",
+    "progress": "Course Observer Stage",
     "shapes.measurement": "FitFlag",
     "shapes.source_facet": "Column SourceFacet",
     "simulation.lensing": "shear_at_fixed_scale_length shear_galaxies",
@@ -240,6 +245,7 @@ __all__ = [
     "CorrelationNoise",
     "CosineCubedBeam",
     "CosineTaperBeam",
+    "Course",
     "DataWarning",
     "DiscBulge",
     "DiscEllipticityPrior",
@@ -264,6 +270,7 @@ __all__ = [
     "Model",
     "Moments",
     "Noise",
+    "Observer",
     "ObservingPlan",
     "PaperExtraction",
     "PhaseCentre",
@@ -285,6 +292,7 @@ __all__ = [
     "SizeModel",
     "SourceFacet",
     "SquareField",
+    "Stage",
     "StokesINoise",
     "Survey",
     "Terms",

@@ -8,6 +8,7 @@ from astropy.table import Table
 
 from tests.bias.surveys import SHEARS, plan
 from tests.estimators.test_evidence import Toy
+from tests.progress.heard import Heard
 from uvshear.bias.crowded import estimate_crowded_bias
 from uvshear.bias.survey import Survey
 from uvshear.errors import InputError
@@ -31,7 +32,7 @@ def crowd():
 
 @pytest.mark.long
 def test_moments_of_a_crowd_answer_to_the_shear(crowd, moments):
-    def measured(observation, lensed):
+    def measured(observation, lensed, progress):
         catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)
         return measure(observation, catalogue, keep=(moments,), resources=Resources(SERIAL))
 
@@ -72,7 +73,7 @@ def _measurement(crowd, shapes, kept=None, estimator=None, centre=None):
 def test_ellipticities_that_were_measured_are_summed_with_their_weights(crowd):
     """A galaxy that fails once is left out of all; the mean of e and -e behind a shear is known."""
 
-    def measured(observation, lensed):
+    def measured(observation, lensed, progress):
         shapes = lensed.ellipticity.copy()
         shapes[3] = np.nan
         return _measurement(crowd, shapes)
@@ -100,7 +101,7 @@ def test_shears_of_the_sky_stay_what_they_are_near_a_pole(crowd):
     polar = replace(crowd, galaxies=circles, noise=noise, used=np.ones(20, bool))
     assert np.ptp(local_north(centre, circles.l, circles.m)) > np.radians(10)
 
-    def measured(observation, lensed):
+    def measured(observation, lensed, progress):
         return _measurement(crowd, lensed.ellipticity, centre=centre)
 
     (total,) = estimate_crowded_bias(polar, [Mean()], measured)
@@ -112,7 +113,7 @@ def test_a_fields_likelihoods_find_its_shears(crowd):
     """Rings without noise behind opposite shears, by a stand-in for the measurement."""
     seen = []
 
-    def measured(observation, lensed):
+    def measured(observation, lensed, progress):
         likelihoods = [Toy(complex(e), 0.06, size=0.0).on_lattice() for e in lensed.ellipticity]
         kept = {k: pack(likelihood) for k, likelihood in enumerate(likelihoods)}
         seen.append(lensed)
@@ -123,6 +124,19 @@ def test_a_fields_likelihoods_find_its_shears(crowd):
     assert len(seen) == 8
     assert np.all(np.abs(total.m) < 0.1)
     assert np.all(np.abs(total.c) < 2e-3)
+
+
+def test_every_field_is_a_stage_in_which_its_measurement_goes_on(crowd):
+    heard = Heard()
+
+    def measured(observation, lensed, progress):
+        progress(1, 4)
+        return _measurement(crowd, lensed.ellipticity)
+
+    estimate_crowded_bias(replace(crowd, used=np.ones(20, bool)), [Mean()], measured, heard)
+    assert heard.stages == [f"field {number} of 8" for number in range(1, 9)]
+    assert heard.all[0][2] == tuple(heard.stages[1:])
+    assert [what[1:] for what in heard.all if what[0] == "advance"] == 8 * [(0.25, 1), (1, 1)]
 
 
 def test_noise_and_its_opposite_are_about_the_same_sky(crowd):

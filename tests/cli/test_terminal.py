@@ -9,15 +9,17 @@ from pathlib import Path
 import pytest
 
 from tests.cli.processes import environment
-from uvshear.cli.terminal import progress_bar, remarks
+from uvshear.cli.progress_report import progress_report
+from uvshear.cli.terminal import remarks
 
 PROGRAM = """
 import sys, time
 from pathlib import Path
 from uvshear.cli.standard_streams import standard_streams
-from uvshear.cli.terminal import progress_bar, say, warn
+from uvshear.cli.progress_report import progress_report
+from uvshear.cli.terminal import say, warn
 with standard_streams():
-    with progress_bar("working") as progress:
+    with progress_report("working") as progress:
         for done in range(20):
             progress(done, 20)
             time.sleep(0.03)
@@ -88,7 +90,7 @@ def test_no_bar_is_drawn_where_there_is_no_terminal(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], name: str
 ) -> None:
     monkeypatch.setenv(name, "1")
-    with progress_bar("working") as progress:
+    with progress_report("working") as progress:
         progress(1, 2)
     assert capfd.readouterr() == ("", "")
 

@@ -9,6 +9,7 @@ from casacore import tables
 
 from tests.io.measurement_sets import written
 from tests.pipeline.fields import catalogue_of_sky, vla_field
+from tests.progress.heard import Heard
 from tests.skies import galaxies
 from uvshear.constants import ARCMIN, ARCSEC
 from uvshear.errors import InputError
@@ -145,6 +146,17 @@ def test_without_a_weight_there_is_nothing_to_average(tmp_path):
     with pytest.raises(InputError, match="no visibility carries weight"):
         average(nothing, tmp_path / "compact.ms", field_arcmin=20, resources=SERIAL)
     assert not list(tmp_path.iterdir())
+
+
+def test_reading_and_writing_are_stages(tmp_path):
+    heard = Heard()
+    observation = _observed(galaxies(0.0, 0.0, 1e-2, 3 * ARCSEC, 0.0), hours=0.1)
+    average(observation, tmp_path / "c.ms", field_arcmin=20, resources=SERIAL, progress=heard)
+    assert heard.stages == ["averaging", "writing"]
+    count = sum(chunk.stokes_i.size for chunk in observation.chunks())
+    read = [what for what in heard.all if what[0] == "advance"]
+    assert read[-1] == ("advance", count, count)
+    assert heard.all[-1] == ("finish",)
 
 
 def test_flagged_samples_do_not_count(tmp_path):

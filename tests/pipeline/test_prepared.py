@@ -5,6 +5,7 @@ import pytest
 
 from tests.pipeline.fields import METHOD, MODEL, catalogue_of_sky
 from tests.pipeline.simulated_sets import changed, simulated_set, sky_of
+from tests.progress.heard import Heard
 from uvshear.execution import Resources, Serial
 from uvshear.extraction import MeasurementOptions
 from uvshear.interferometer.scaled_observation import ScaledObservation
@@ -24,6 +25,16 @@ def test_the_sources_are_placed_in_the_observation():
     found = prepared(changed(simulated_set()))
     np.testing.assert_allclose(found.field.l, SKY.l, atol=1e-12)
     assert found.first.summary.samples == found.field.summary.samples
+
+
+def test_the_first_pass_is_a_stage():
+    heard = Heard()
+    observation = changed(simulated_set())
+    catalogue = catalogue_of_sky(SKY, observation.phase_centre)
+    Prepared.from_observation(observation, catalogue, OPTIONS, heard)
+    assert heard.stages == ["first pass", "preparation"]
+    count = sum(chunk.stokes_i.size for chunk in observation.chunks())
+    assert [what for what in heard.all if what[0] == "advance"][-1] == ("advance", count, count)
 
 
 def test_weights_that_are_to_agree_with_the_data_are_corrected_with_all_that_depends_on_them():

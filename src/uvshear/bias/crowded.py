@@ -19,7 +19,7 @@ from uvshear.pipeline.measurement import Measurement
 from uvshear.pipeline.sample import sample_of, selected
 from uvshear.pipeline.simulate import Lens
 from uvshear.predict import predict_visibilities
-from uvshear.progress import Progress
+from uvshear.progress import Meter, Progress, Stage
 from uvshear.simulation.lensing import shear_galaxies
 from uvshear.typing import Array, Bool, Float, Int
 
@@ -29,8 +29,9 @@ BLOCKS = 7
 ROUNDS = 2
 """Number of iterations of the expansion about the estimate of the shear."""
 
-Measure = Callable[[VisibilitySet, Galaxies], Measurement]
-"""Function that measures an observation, with the positions and fluxes of these galaxies as the catalogue."""
+Measure = Callable[[VisibilitySet, Galaxies, Progress | None], Measurement]
+"""Function that measures an observation, with the positions and fluxes of these galaxies as the catalogue, and reports
+its progress."""
 
 
 @dataclass(frozen=True)
@@ -96,15 +97,18 @@ def estimate_crowded_bias(
             )
     shears = experiment.shears
     measured: list[list[Measurement]] = []
-    count = 4 * len(shears)
+    meter, count = Meter(progress), 4 * len(shears)
+    fields = [Stage(f"field {k + 1} of {count}", 1.0, 1.0, kind="field") for k in range(count)]
     for shear in shears:
         found: list[Measurement] = []
         for ellipticity_sign in (1, -1):
             lensed = experiment.lensed(shear, ellipticity_sign)
             for noise_sign in (1, -1):
-                found.append(measure(experiment.observed(lensed, noise_sign), lensed))
-                if progress is not None:
-                    progress(len(found) + 4 * len(measured), count)
+                meter.begin(*fields)
+                observed = experiment.observed(lensed, noise_sign)
+                found.append(measure(observed, lensed, meter.reach))
+                meter.reach(1, 1)
+                del fields[0]
         measured.append(found)
     return [_bias(experiment, estimator, measured) for estimator in estimators]
 

@@ -70,12 +70,16 @@ def estimate_bias(
         bias = estimate_isolated_bias(experiment, method, galaxies, resources.executor, progress)
         return replace(bias, simulation=simulation)
 
-    def measured(observation: VisibilitySet, lensed: Galaxies) -> Measurement:
+    def measured(
+        observation: VisibilitySet, lensed: Galaxies, of_field: Progress | None
+    ) -> Measurement:
         catalogue = catalogue_from_galaxies(lensed, observation.phase_centre)
         with warnings.catch_warnings():
             # Simulated weights are right; a coarse track may make the scatter of neighbouring samples look otherwise.
             warnings.simplefilter("ignore", DataWarning)
-            return measure(observation, catalogue, keep=(method,), resources=resources)
+            return measure(
+                observation, catalogue, keep=(method,), resources=resources, progress=of_field
+            )
 
     crowd = known.crowd(shears, galaxies, density, seed, resources.executor)
     (bias,) = estimate_crowded_bias(crowd, [method], measured, progress)

@@ -26,7 +26,7 @@ from uvshear.galaxy import (
     Profile,
     SizeFluxRelation,
 )
-from uvshear.progress import Meter, Progress
+from uvshear.progress import Meter, Progress, Stage
 from uvshear.shapes.measurement import GalaxyFit
 from uvshear.shapes.prior import ShapePrior
 from uvshear.shapes.shape import fit_galaxy
@@ -162,12 +162,18 @@ def estimate_isolated_bias(
     is_piloted = estimator.is_expanded and any(shears)
     pilot = min(_pilot(experiment), galaxies) if is_piloted else 0
     meter = Meter(progress)
-    meter.expect(galaxies + PILOT_ROUNDS * pilot)
-    estimator = _trained(experiment, estimator, galaxies)
+    first = Stage("first guess", PILOT_ROUNDS * pilot, PILOT_ROUNDS * pilot, "galaxies", "mocks")
+    main = Stage("galaxies", galaxies, galaxies, "galaxies", "mocks")
+    if estimator.is_learning:
+        meter.begin(Stage("population"), first, main)
+        estimator = _trained(experiment, estimator, galaxies)
+    if pilot:
+        meter.begin(first, main)
     for _ in range(PILOT_ROUNDS if pilot else 0):
         sums = _run((experiment, estimator, about), pilot, executor, meter)
         found = shears_from_sums(sum(block.values.sum(axis=0) for block in sums), about)
         about = [within_reach(complex(*pair)) for pair in found]
+    meter.begin(main)
     blocks = _run((experiment, estimator, about), galaxies, executor, meter)
     values = np.array([block.values for block in blocks])
     count = np.array([block.count for block in blocks]).sum(axis=0).astype(int)

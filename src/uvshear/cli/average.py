@@ -9,6 +9,7 @@ import typer
 from uvshear.cli.options import Overwrite, Threads, output_option, positive
 from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import METHOD, RESOURCES, GroupedCommand
+from uvshear.cli.progress_report import LogOption, begin_log, checked_log, progress_report
 from uvshear.cli.reading import (
     ColumnOption,
     ConjugateOption,
@@ -64,6 +65,7 @@ def average(
     field: FieldOption = None,
     scans: ScansOption = None,
     conjugate: ConjugateOption = False,
+    log: LogOption = None,
     overwrite: Overwrite = False,
     threads: Threads = 0,
     memory_gb: Annotated[
@@ -91,18 +93,23 @@ def average(
 
     Cells.for_field(field_arcmin * ARCMIN, accuracy)
     check_measurement_set_output(output, overwrite=overwrite)
-    reserve(context, [output], measurement_sets)
+    outputs = [output, *checked_log(log, overwrite=overwrite)]
+    reserve(context, outputs, measurement_sets)
     executor = in_threads(threads)
     resources = Resources(executor) if memory_gb is None else Resources(executor, memory_gb * 1e9)
     reading = reading_of(column, field, scans, conjugates=conjugate, subtracted=subtract)
-    averaged = average_observation(
-        open_observation(measurement_sets, reading),
-        output,
-        field_arcmin=field_arcmin,
-        accuracy=accuracy,
-        resources=resources,
-        overwrite=overwrite,
-    )
+    observation = open_observation(measurement_sets, reading)
+    logged = begin_log(context, log, measurement_sets, overwrite=overwrite)
+    with progress_report("averaging", logged) as progress:
+        averaged = average_observation(
+            observation,
+            output,
+            field_arcmin=field_arcmin,
+            accuracy=accuracy,
+            resources=resources,
+            overwrite=overwrite,
+            progress=progress,
+        )
     say(
         f"{output}: {averaged.rows} rows from {averaged.samples} visibilities,"
         f" {averaged.samples / averaged.rows:.3g} in each"

@@ -24,8 +24,9 @@ from uvshear.cli.options import (
 )
 from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import ARRAY, METHOD, NOISE, OUTPUT, SKY, GroupedCommand
+from uvshear.cli.progress_report import LogOption, begin_log, checked_log, progress_report
 from uvshear.cli.registered import PROFILES, profile_named_by_option
-from uvshear.cli.terminal import progress_bar, remarks, say
+from uvshear.cli.terminal import remarks, say
 from uvshear.errors import InputError
 
 EPILOG = (
@@ -243,6 +244,7 @@ def bias(
     ] = (10.0, 10.0),
     seed: Seed = 1,
     threads: Threads = 0,
+    log: LogOption = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Measure the bias m and c of an estimator on simulated galaxies.
@@ -278,7 +280,8 @@ def bias(
     from uvshear.simulation.noise_level import GalaxyNoise
 
     check_file(output, overwrite=overwrite)
-    reserve(context, [output], [Path(prior), Path(layout)])
+    outputs = [output, *checked_log(log, overwrite=overwrite)]
+    reserve(context, outputs, [Path(prior), Path(layout)])
     position_sigma = position_error_arcsec * ARCSEC
     method = estimator_named(
         estimator, prior=prior, wraps=wraps, position_sigma=position_sigma, seed=seed
@@ -301,7 +304,8 @@ def bias(
         has_rings=rings,
         averages_cells=is_averaged,
     )
-    with progress_bar("simulating and measuring") as progress:
+    logged = begin_log(context, log, [], overwrite=overwrite)
+    with progress_report("simulating and measuring", logged) as progress:
         found = estimate_bias(
             method,
             galaxies=galaxies,

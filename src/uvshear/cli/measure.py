@@ -25,6 +25,7 @@ from uvshear.cli.options import (
 )
 from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import DATA, METHOD, MODEL, OUTPUT, RESOURCES, GroupedCommand
+from uvshear.cli.progress_report import LogOption, begin_log, checked_log, progress_report
 from uvshear.cli.reading import (
     ColumnOption,
     ConjugateOption,
@@ -35,7 +36,7 @@ from uvshear.cli.reading import (
 )
 from uvshear.cli.registered import PROFILES, named_by, profile_named_by_option
 from uvshear.cli.residual_images import checked_residual_image, write_residual
-from uvshear.cli.terminal import notes_of_warnings, progress_bar, remarks, say
+from uvshear.cli.terminal import notes_of_warnings, remarks, say
 from uvshear.cli.weightings import (
     GaussianTaperOption,
     InnerTukeyTaperOption,
@@ -244,6 +245,7 @@ def measure(
             show_default=False,
         ),
     ] = None,
+    log: LogOption = None,
     overwrite: Overwrite = False,
     resume: Annotated[
         bool,
@@ -290,6 +292,7 @@ def measure(
     check_outputs(output, overwrite=overwrite)
     checkpoint = Checkpoint(checkpoint_beside(output), resume, options_of_the_state(context))
     outputs = [output, *companions(output), checkpoint.directory]
+    outputs += checked_log(log, overwrite=overwrite, appends=resume)
     if residual_image is not None:
         outputs += checked_residual_image(residual_image, overwrite=overwrite)
     reserve(context, outputs, [*measurement_sets, file_of(catalogue)])
@@ -310,8 +313,12 @@ def measure(
             f"--extraction {extraction} --primary-beam {primary_beam}: this extraction cannot model a"
             " primary beam; use --extraction converged"
         )
-    frequency = None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6
-    sources = catalogue_of_options(catalogue, flux_unit, column_map, frequency)
+    sources = catalogue_of_options(
+        catalogue,
+        flux_unit,
+        column_map,
+        None if reference_frequency_mhz is None else reference_frequency_mhz * 1e6,
+    )
     reading = reading_of(
         column,
         field,
@@ -329,7 +336,9 @@ def measure(
         primary_beam=beam_of_observation(primary_beam, observation),
         smears=smearing,
     )
-    with notes_of_warnings(), progress_bar("measuring") as progress:
+    inputs = [*measurement_sets, catalogue]
+    logged = begin_log(context, log, inputs, overwrite=overwrite, appends=resume)
+    with notes_of_warnings(), progress_report("measuring", logged) as progress:
         # It becomes the error with which the command ends.
         warnings.simplefilter("ignore", NothingMeasuredWarning)
         measurement = measure_sources(
@@ -353,7 +362,7 @@ def measure(
     with remarks():
         tell_missing_statistics(measurement)
     if residual_image is not None:
-        write_residual(measurement, made, residual_image, overwrite=overwrite)
+        write_residual(measurement, made, residual_image, logged, overwrite=overwrite)
 
 
 def observed(paths: list[Path], reading: "Reading", noise: NoiseName) -> "Observation":

@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 
 Pair = tuple[float, float]
 
-NO_PART_OF_THE_RESULT = frozenset({"threads", "overwrite", "output", "residual_image", "resume"})
+NO_PART_OF_THE_RESULT = frozenset(
+    {"threads", "overwrite", "output", "residual_image", "log", "resume"}
+)
 """Options that do not change the result, which provenance leaves out."""
 
 NO_PART_OF_THE_STATE = NO_PART_OF_THE_RESULT | {"memory_gb", "measurement_sets", "catalogue"}

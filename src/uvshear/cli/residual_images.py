@@ -4,23 +4,30 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from uvshear.cli.terminal import progress_bar, say, shorten
+from uvshear.cli.progress_report import progress_report
+from uvshear.cli.terminal import say, shorten
 from uvshear.constants import MICROJANSKY
 
 if TYPE_CHECKING:
     from uvshear.io.provenance import Provenance
     from uvshear.pipeline.measurement import Measurement
+    from uvshear.progress import Observer
 
 
 def write_residual(
-    measurement: "Measurement", made: "Provenance", path: Path, *, overwrite: bool
+    measurement: "Measurement",
+    made: "Provenance",
+    path: Path,
+    logged: "Observer | None",
+    *,
+    overwrite: bool,
 ) -> None:
     """Image what a measurement has left, write and draw the images, and print the rms of the residual."""
     from uvshear.io.images import write_residual_image
     from uvshear.plot import draw_residual_image, save
 
     assert measurement.field is not None
-    with progress_bar("imaging") as progress:
+    with progress_report("imaging", logged) as progress:
         images = measurement.residual_image(progress=progress)
     centre = measurement.field.observation.phase_centre
     write_residual_image(path, images, centre, made.metadata(), overwrite=overwrite)

@@ -10,7 +10,8 @@ from uvshear.cli.estimators import NAMES, PAPER, PRIOR_METAVAR, estimator_named
 from uvshear.cli.options import Overwrite, Threads, non_negative, provenance
 from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import DATA, METHOD, OUTPUT, GroupedCommand
-from uvshear.cli.terminal import notes_of_warnings, progress_bar, remarks, say, show, warn
+from uvshear.cli.progress_report import progress_report
+from uvshear.cli.terminal import notes_of_warnings, remarks, say, show, warn
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -117,7 +118,7 @@ def shear(
         others = [Path(prior), *([] if calibration is None else [calibration])]
         reserve(context, [output], [shapes, *companions(shapes), *others])
     method = estimator_named(estimator, prior=prior, seed=seed)
-    with notes_of_warnings(), progress_bar("estimating the shear") as progress:
+    with notes_of_warnings(), progress_report("estimating the shear") as progress:
         found = estimate_shear(
             shapes,
             method,

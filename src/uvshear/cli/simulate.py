@@ -36,8 +36,9 @@ from uvshear.cli.options import (
 )
 from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import ARRAY, MODEL, NOISE, SKY
+from uvshear.cli.progress_report import LogOption, begin_log, checked_log, progress_report
 from uvshear.cli.registered import PROFILES, profile_named_by_option
-from uvshear.cli.terminal import progress_bar, say, warn
+from uvshear.cli.terminal import say, warn
 from uvshear.errors import DataWarning, InputError
 
 if TYPE_CHECKING:
@@ -255,6 +256,7 @@ def simulate(
     column_map: ColumnMapOption = None,
     seed: Seed = 1,
     threads: Threads = 0,
+    log: LogOption = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Simulate an observation of the sources of a catalogue, and write a Measurement Set."""
@@ -284,7 +286,8 @@ def simulate(
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
 
     check_measurement_set_output(output, overwrite=overwrite)
-    reserve(context, [output], [file_of(catalogue), Path(layout)])
+    outputs = [output, *checked_log(log, overwrite=overwrite)]
+    reserve(context, outputs, [file_of(catalogue), Path(layout)])
     brightness = profile_named_by_option(profile)
     executor = in_threads(threads)
     sources = catalogue_of_options(catalogue, flux_unit, column_map)
@@ -298,6 +301,7 @@ def simulate(
         is_averaged=smearing,
         primary_beam=beam_of_dishes(primary_beam, lambda: array.diameters),
     )
+    logged = begin_log(context, log, [file_of(catalogue)], overwrite=overwrite)
     with warnings.catch_warnings(record=True) as noted:
         warnings.simplefilter("always", DataWarning)
         observation = simulate_observation(
@@ -311,7 +315,7 @@ def simulate(
             executor=executor,
             exact=exact,
         )
-    with progress_bar("simulating") as progress:
+    with progress_report("simulating", logged) as progress:
         write_measurement_set(
             output,
             observation,

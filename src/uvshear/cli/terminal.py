@@ -1,4 +1,4 @@
-"""Output for the user: lines, tables, notes and, on a terminal only, a progress bar."""
+"""Output for the user: lines, tables and notes."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 import sys
@@ -10,24 +10,6 @@ from typing import Any
 import typer
 
 from uvshear.cli.standard_streams import StandardStream
-from uvshear.progress import Progress
-
-
-@contextmanager
-def progress_bar(description: str) -> Iterator[Progress]:
-    """Yield a function that updates a bar on stderr, or does nothing if stderr is not a terminal."""
-    from rich.console import Console
-    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
-    from rich.progress import Progress as Bar
-
-    # rich takes other outputs for terminals as well where the environment has FORCE_COLOR.
-    if not sys.stderr.isatty():
-        yield lambda done, total: None
-        return
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Bar(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(description, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
 
 
 def show_table(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

@@ -10,12 +10,13 @@ from uvshear.errors import InputError
 from uvshear.estimators.estimator import Estimator
 from uvshear.estimators.flux_bins import FLUX_BINS
 from uvshear.estimators.goodness import PopulationGoodness
+from uvshear.estimators.population_fit import FORESEEN
 from uvshear.estimators.sample import Sample
 from uvshear.estimators.shear_estimate import ShearEstimate
 from uvshear.estimators.terms import Terms, shear_in_field_frame
 from uvshear.estimators.uncertainty import ratio, ratio_error
 from uvshear.execution import SERIAL, Executor
-from uvshear.progress import Meter
+from uvshear.progress import Meter, Stage
 from uvshear.typing import Array, Bool, Float, Int
 
 ROUNDS = 3
@@ -51,7 +52,13 @@ def estimate_sample_shear(
         measurement.
     """
     meter = meter or Meter(None)
+    rounds, count = ROUNDS if estimator.is_expanded else 1, len(sample)
+    # Work is counted in galaxies. All bins together hold about as many as the sample.
+    guess = Stage("first estimate", rounds * count, unit="galaxies", kind="terms")
+    population = Stage("population", FORESEEN * count, unit="galaxies", kind="population")
+    final = Stage("shear", (2 * rounds - 1) * count, unit="galaxies", kind="terms")
     if estimator.is_learning:
+        meter.begin(guess, population, final)
         if estimator.learner is not estimator:
             raise InputError(
                 f"the estimator '{estimator.name}' wraps '{estimator.learner.name}' with a population that is yet to be"
@@ -59,7 +66,9 @@ def estimate_sample_shear(
                 " fitted population"
             )
         ((first, _),) = _estimates(estimator, sample, [slice(None)], executor, meter)
+        meter.begin(population, final)
         estimator = estimator.trained(sample, _known(first, sample).shear, meter)
+    meter.begin(final)
     masks = _bins(sample)
     (total, terms), *parts = _estimates(
         estimator, sample, [slice(None), *masks.values()], executor, meter

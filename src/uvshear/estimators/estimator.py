@@ -33,6 +33,8 @@ class Estimator(ABC):
         Columns of the table of shapes that the terms need.
     is_expanded
         Whether the terms are expanded about a trial shear, in which case the estimate is iterated.
+    nanoseconds
+        Estimated work of the statistic of a source on one core [ns], for reports of the progress.
     remark
         Caveat that the command line shows with every estimate; empty if there is none.
     """
@@ -41,6 +43,7 @@ class Estimator(ABC):
     columns: ClassVar[Mapping[str, Column]] = {}
     shape_columns: ClassVar[tuple[str, ...]] = ()
     is_expanded: ClassVar[bool] = False
+    nanoseconds: ClassVar[float] = 20e6
     remark: ClassVar[str] = ""
 
     def statistic(self, source: SourceFacet) -> Kept | StatisticFlag | None:

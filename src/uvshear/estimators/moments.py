@@ -50,6 +50,7 @@ class Moments(Estimator):
     )
 
     name = "moments"
+    nanoseconds = 4e6
     columns: ClassVar = {
         "m1": Column("moment of u^2 - v^2 with weight exp(-k^2/2s^2), s = 15000 wavelengths", "Jy"),
         "m2": Column("moment of 2uv", "Jy"),

@@ -37,8 +37,11 @@ DIFFERENCE = 0.03
 LONGEST = 0.4
 """Longest step of a parameter."""
 
-_ROUNDS, _FORESEEN = 20, 6
-"""Largest number of steps, and the usual number."""
+FORESEEN = 6
+"""Usual number of steps."""
+
+_ROUNDS = 20
+"""Largest number of steps."""
 
 _TOLERANCE = 0.1
 """Step over its standard error below which the maximum is taken as reached."""
@@ -124,7 +127,7 @@ def fit_population(
             f"{len(galaxies)} galaxies are too few to fit a population; {10 * count} or more are needed"
         )
     meter = meter or Meter(None)
-    meter.expect(_FORESEEN * len(galaxies))
+    meter.expect(FORESEEN * len(galaxies))
     theta = np.zeros(count)
     for _ in range(_ROUNDS):
         scores = population_scores(galaxies, moved(start, theta), meter)

@@ -335,6 +335,11 @@ def _batch_size(seconds: float, left: int, workers: int) -> int:
     return max(1, min(int(worthwhile), left // (2 * workers), MOST_IN_A_BATCH))
 
 
+def copies_at_work() -> tuple[int, ...]:
+    """Return the process ids of the copies that have not ended yet."""
+    return tuple(_copies)
+
+
 def end_copies() -> None:
     """End all copies, whatever they do, before this process ends without cleaning up."""
     _end(tuple(_copies))

@@ -13,6 +13,9 @@ class Results(Generic[Result]):
     def __init__(self) -> None:
         self._found: dict[Hashable, Result] = {}
 
+    def __len__(self) -> int:
+        return len(self._found)
+
     def __contains__(self, key: Hashable) -> bool:
         return key in self._found
 

@@ -1,11 +1,13 @@
 """The first pass over an observation: everything that must be known before the first galaxy is fitted."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from uvshear.execution import SERIAL, Executor
 from uvshear.interferometer.accumulate import show
 from uvshear.interferometer.baseline_map import BaselineMap, BaselineMapAccumulator
 from uvshear.interferometer.count_samples import SampleCountsAccumulator
+from uvshear.interferometer.counted import counted
 from uvshear.interferometer.data_warnings import DataQuality, data_warnings
 from uvshear.interferometer.noise_sample import MOST, NoiseSample, NoiseSampleAccumulator
 from uvshear.interferometer.origin import origin_of, parts_of
@@ -44,8 +46,12 @@ class FirstPass:
         return tuple(line for quality in self.qualities for line in data_warnings(quality))
 
 
-def first_pass(observation: Observation, executor: Executor = SERIAL) -> FirstPass:
-    """Read an observation once.
+def first_pass(
+    observation: Observation,
+    executor: Executor = SERIAL,
+    on_samples: Callable[[float], None] | None = None,
+) -> FirstPass:
+    """Read an observation once; ``on_samples`` is called with the number of samples of each chunk.
 
     Raises
     ------
@@ -58,7 +64,8 @@ def first_pass(observation: Observation, executor: Executor = SERIAL) -> FirstPa
     most = min(MOST, max(MOST_OF_ALL // len(parts), FEWEST_OF_A_PART))
     for part in parts:
         counts, sample = SampleCountsAccumulator(), NoiseSampleAccumulator(most)
-        show(part.chunks(), [summary, baselines, counts, sample], executor)
+        chunks = part.chunks() if on_samples is None else counted(part.chunks(), on_samples)
+        show(chunks, [summary, baselines, counts, sample], executor)
         qualities.append(DataQuality.from_pass(origin_of(part), counts.result()))
         samples.append(sample.result())
     return FirstPass(summary.result(), baselines.result(), tuple(qualities), tuple(samples))

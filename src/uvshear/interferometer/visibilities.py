@@ -137,3 +137,7 @@ class VisibilitySet:
     def chunks(self) -> Iterator[Visibilities]:
         """Yield the blocks."""
         yield from self.blocks
+
+    def expected_samples(self) -> float:
+        """Return the number of samples."""
+        return sum(block.stokes_i.size for block in self.blocks)

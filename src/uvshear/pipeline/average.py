@@ -13,11 +13,14 @@ from uvshear.constants import ARCMIN
 from uvshear.errors import InputError
 from uvshear.execution import Resources
 from uvshear.geometry.directions import PhaseCentre
+from uvshear.interferometer.counted import counted
 from uvshear.interferometer.dishes import HasDishes, dish_diameters, pointing_of
+from uvshear.interferometer.expected_samples import expected_samples
 from uvshear.interferometer.origin import origin_of, parts_of
 from uvshear.interferometer.visibilities import Observation, Visibilities
 from uvshear.io.measurement_set.averages_writer import AveragedField, new_averages
 from uvshear.pipeline.observation import ObservationLike, observation_of
+from uvshear.progress import Meter, Progress, Stage
 from uvshear.typing import Array, Float
 
 
@@ -37,6 +40,7 @@ def average(
     accuracy: float = ACCURACY,
     resources: Resources | None = None,
     overwrite: bool = False,
+    progress: Progress | None = None,
 ) -> Averaged:
     """Average an observation over cells of (u, v, w), and write the averages as a Measurement Set.
 
@@ -54,6 +58,8 @@ def average(
         Workers, and memory for the sums.
     overwrite
         Whether a Measurement Set that exists is replaced.
+    progress
+        Function called with the number of visibilities read so far and their total, or an observer of the stages.
 
     Returns
     -------
@@ -65,15 +71,19 @@ def average(
     observation = observation_of(visibilities)
     parts = parts_of(observation)
     pairs = DishPairs.from_diameters([_diameters(part) for part in parts])
+    meter, total = Meter(progress), expected_samples(observation)
+    meter.begin(Stage("averaging", total, total, "visibilities"), Stage("writing"))
     about = AveragedField(observation.phase_centre, _pointing(observation), pairs[0], cells)
     with new_averages(Path(output), about, overwrite=overwrite) as writer:
         averager = Averager(cells, writer.add, resources)
         for part, dishes in zip(parts, pairs, strict=True):
-            averager.add(_samples(part), dishes)
+            averager.add(counted(_samples(part), meter.add), dishes)
+        meter.begin(Stage("writing"))
         samples = averager.finish()
         if not samples:
             raise InputError("no visibility carries weight; there is nothing to average")
         names = ", ".join(origin_of(part).name for part in parts)
+        meter.finish()
         writer.finish(f"averages over cells of {cells.uv:.4g} x {cells.w:.4g} wavelengths: {names}")
     return Averaged(samples, writer.rows)
 

@@ -75,7 +75,8 @@ def measure(
     resources
         Executor and memory.
     progress
-        Function called with the work done so far and the total work.
+        Function called with the work done so far and the total work, or an observer of the stages
+        (``uvshear.progress.Observer``).
     checkpoint
         Where the state is stored while the measurement runs, so that another run can go on from it if this one is
         ended. It is removed when the measurement is written (``Measurement.write``).
@@ -102,7 +103,7 @@ def measure(
     check_identifiers(sources.identifier)
     seen = observation_of(observation)
     store = None if checkpoint is None else checkpoint.opened(identity_of(seen, sources, options))
-    prepared = Prepared.from_observation(seen, sources, options)
+    prepared = Prepared.from_observation(seen, sources, options, progress)
     check_field(sources, prepared.observation.phase_centre, prepared.field.flags)
     checks, sky = prepared.checks, prepared.field.sky
     before = (
@@ -143,9 +144,9 @@ def _extract_with_noise(
     the sources are measured once more.
     """
     first_sky, uv_range = prepared.field.sky, prepared.field.uv_range
-    prepared = prepared.with_noise_of_data(first_sky, uv_range)
+    prepared = prepared.with_noise_of_data(first_sky, uv_range, progress)
     extracted = _stored_extraction(prepared, progress, store.part("extraction"))
-    corrected = prepared.with_noise_of_data(extracted.sky, extracted.uv_range)
+    corrected = prepared.with_noise_of_data(extracted.sky, extracted.uv_range, progress)
     if corrected is not prepared:
         prepared = corrected
         extracted = _stored_extraction(corrected, progress, store.part("second-extraction"))

@@ -27,7 +27,7 @@ from uvshear.io.statistics import read_statistics, statistics_path, write_statis
 from uvshear.io.tables import check_table_name
 from uvshear.pipeline.observation import ObservationLike, observation_of
 from uvshear.predict.gridded import Gridding
-from uvshear.progress import Meter, Progress
+from uvshear.progress import Meter, Progress, Stage
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,8 @@ class Measurement:
         field = self._field(observation, model, resources)
         centre = field.observation.phase_centre
         meter = Meter(progress)
-        meter.expect(field.summary.samples)
+        samples = field.summary.samples
+        meter.begin(Stage("residual image", samples, samples, "visibilities"))
         is_modelled = self.record.get("models_attenuation", True)
         limits = self.record.get("uv_range")
         images = residual_image(

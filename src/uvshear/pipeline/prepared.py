@@ -5,6 +5,7 @@ from typing import Self
 
 from uvshear.extraction import Field, MeasurementOptions
 from uvshear.galaxy import Galaxies
+from uvshear.interferometer.expected_samples import expected_samples
 from uvshear.interferometer.first_pass import FirstPass, first_pass
 from uvshear.interferometer.held_observation import HELD_PART, held_by_parts, release
 from uvshear.interferometer.uv_range import UvRange
@@ -12,6 +13,7 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue
 from uvshear.pipeline.data_checks import DataChecks
 from uvshear.pipeline.field import field_of_catalogue
+from uvshear.progress import Meter, Progress, Stage
 
 
 @dataclass(frozen=True)
@@ -46,19 +48,29 @@ class Prepared:
 
     @classmethod
     def from_observation(
-        cls, observation: Observation, sources: Catalogue, options: MeasurementOptions
+        cls,
+        observation: Observation,
+        sources: Catalogue,
+        options: MeasurementOptions,
+        progress: Progress | None = None,
     ) -> Self:
         """Read an observation once, and place the sources."""
+        meter = Meter.of_stages(progress)
+        size = expected_samples(observation)
+        meter.begin(Stage("first pass", amount=size, unit="visibilities"))
         model, method, executor = options.model, options.method, options.resources.executor
         held = held_by_parts(observation, HELD_PART * options.resources.memory)
-        first = first_pass(held, executor)
+        first = first_pass(held, executor, meter.add)
+        meter.begin(Stage("preparation"))
         field = field_of_catalogue(sources, observation.phase_centre, first.summary, model, method)
         field = method.extraction.within_reach(field)
         attenuated = method.extraction.models_attenuation
         checks = DataChecks(observation, first.noise_samples, model, attenuated, executor)
         return cls(observation, held, sources, options, first, field, checks)
 
-    def with_noise_of_data(self, sky: Galaxies, uv_range: UvRange) -> Self:
+    def with_noise_of_data(
+        self, sky: Galaxies, uv_range: UvRange, progress: Progress | None = None
+    ) -> Self:
         """Correct the weights that are to agree with the noise of the data; the same object if nothing is to be done.
 
         Parameters
@@ -74,4 +86,4 @@ class Prepared:
         if corrected is None:
             return self
         release(self.held)
-        return self.from_observation(corrected, self.sources, self.options)
+        return self.from_observation(corrected, self.sources, self.options, progress)

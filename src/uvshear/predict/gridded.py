@@ -147,9 +147,15 @@ def predict_samples(
 
 
 def predict_bands(
-    bands: Sequence[PredictedBand], sky: ModelledSky, gridding: Gridding
+    bands: Sequence[PredictedBand],
+    sky: ModelledSky,
+    gridding: Gridding,
+    on_share: Callable[[float], None] | None = None,
 ) -> list[Complex[Array, " _"]]:
-    """Predict the visibilities of the sky for samples of several bands [Jy]; all tiles are in one round of tasks."""
+    """Predict the visibilities of the sky for samples of several bands [Jy]; all tiles are in one round of tasks.
+
+    ``on_share`` is called now and then with the share of the time that has passed since the last call, as estimated.
+    """
     models = [np.zeros(len(each.samples), np.complex64) for each in bands]
     response = sky.response
     parts = [
@@ -177,7 +183,7 @@ def predict_bands(
         plane = TangentPlane.at(samples.uvw[rows], *part.tile.centre(pixel))
         vis = plane.visibilities(image.value(), pixel, gridding.epsilon)
         factor = response.source_factor(samples.select(rows), *part.seen_as)
-        return part.number, rows, vis * factor
+        return part.number, rows, vis * factor, part.tile.size
 
     def tasks_of(part: _Part) -> tuple[Callable[[], None], list[Callable[[], _Predicted]]]:
         # Only the tasks know the image, so that it is released after the last of them.
@@ -188,10 +194,14 @@ def predict_bands(
     tasks = one_ahead(map(tasks_of, parts))
     widest = max((part.tile.size for part in parts), default=1)
     most = max((len(each.samples) for each in bands), default=0)
+    whole = sum(_cost(part.tile.size, len(bands[part.number].samples)) for part in parts)
     for predicted in gridding.executor_for(widest, most).map(_run, tasks):
         if predicted is not None:
-            number, rows, vis = predicted
+            number, rows, vis, size = predicted
             models[number][rows] += vis
+            if on_share is not None:
+                each = slabs(len(bands[number].samples))
+                on_share(_cost(size, len(bands[number].samples)) / (len(each) * whole))
 
     def finish(number: int) -> None:
         models[number] *= response.gain(bands[number].samples.frequency)
@@ -204,8 +214,8 @@ def predict_bands(
 _Image: TypeAlias = Promise[Float[Array, "l m"]]
 """Image of a tile, which one task draws and others degrid."""
 
-_Predicted: TypeAlias = tuple[int, slice, Complex[Array, " slab"]]
-"""Number of a band, some of its samples, and what a tile adds to their visibilities [Jy]."""
+_Predicted: TypeAlias = tuple[int, slice, Complex[Array, " slab"], int]
+"""Number of a band, some of its samples, what a tile adds to their visibilities [Jy], and the side of the tile."""
 
 
 def _run(task: Callable[[], _Predicted | None]) -> _Predicted | None:
@@ -227,6 +237,11 @@ def one_ahead(
     yield from ready
 
 
+def _cost(size: int, samples: int) -> float:
+    """Estimate the time in which samples are predicted from an image of this size, in that of a pixel."""
+    return size**2 + SAMPLE_OVER_PIXEL * samples
+
+
 def _largest_first(tiles: Sequence[Tile]) -> list[Tile]:
     """Order tiles of a band so that all workers end at about the same time."""
     return sorted(tiles, key=lambda tile: tile.size, reverse=True)
@@ -237,7 +252,7 @@ def _longest_first(bands: Sequence[PredictedBand]) -> list[int]:
 
     def cost(number: int) -> float:
         largest = max((tile.size for tile in bands[number].tiles), default=0)
-        return largest**2 + SAMPLE_OVER_PIXEL * len(bands[number].samples)
+        return _cost(largest, len(bands[number].samples))
 
     return sorted(range(len(bands)), key=cost, reverse=True)
 

@@ -104,6 +104,10 @@ class SimulatedObservation:
         """Direction of l = m = 0."""
         return self.coverage.phase_centre
 
+    def expected_samples(self) -> float:
+        """Return the number of samples."""
+        return len(self.coverage) * len(self.channels)
+
     def origin(self) -> Origin:
         """Return the observation itself; without noise its weights do not describe the noise of its data."""
         return Origin(self, "the simulated observation", weights_tell_noise=self.seed is not None)

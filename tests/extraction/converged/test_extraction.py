@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tests.extraction.fields import extract, field_of, measure
+from tests.progress.heard import Heard
 from tests.skies import galaxies, vla
 from uvshear.constants import ARCMIN, ARCSEC
 from uvshear.estimators.bayesian import Bayesian
@@ -279,3 +280,27 @@ def test_progress_ends_when_all_is_done(array):
     )
     assert heard[-1][0] == heard[-1][1]
     assert all(done <= total for done, total in heard)
+
+
+def test_an_observer_hears_of_every_stage_and_of_its_convergence(array):
+    heard = Heard()
+    observation = _observe(SKY, array)
+    field = field_of(observation, catalogue_from_galaxies(SKY, array[1]), OPTIONS)
+    setting = replace(OPTIONS.setting, keep=(Moments(),))
+    found = ConvergedExtraction().extract(observation, field, setting, heard)
+    count = found.record["major_cycles"]
+    cycles = [
+        f"{kind} cycle {number + 1}" for number in range(count) for kind in ("major", "minor")
+    ]
+    assert heard.stages == [*cycles, "posteriors", "wide prior", "statistics"]
+    notes = [what[1] for what in heard.all if what[0] == "note"]
+    assert [note["change_rms"] for note in notes[:-1]] == found.record["change_rms"]
+    assert notes[-1] == {"moves": found.record["released"]}
+    assert heard.all[-1] == ("finish",)
+    # Each stage comes as it was foreseen, unless the sky took more or fewer cycles.
+    ends = [what for what in heard.all if what[0] == "begin"]
+    assert all(then[-3:] == ("posteriors", "wide prior", "statistics") for *_, then in ends[:-3])
+    # A cycle has worked through the visibilities that it said it would.
+    first = heard.all.index(("begin", "minor cycle 1", ends[0][2][1:]))
+    _, done, expected = heard.all[first - 1]
+    assert 0.9 < done / expected <= 1

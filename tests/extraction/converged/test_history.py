@@ -42,6 +42,17 @@ def test_the_record_is_what_json_knows():
     }
 
 
+def test_the_last_cycle_is_what_json_knows():
+    history = History().with_cycle(np.array([3.0, 4.0]), ((4.0, 0.1),))
+    history = history.with_cycle(np.array([1.0, 1.0]), ((1.00049, 0.1),))
+    assert json.loads(json.dumps(history.last())) == {
+        "change_rms": 1.0,
+        "change_max": 1.0,
+        "left_undone": 0.2828,
+        "moves": [[1.0, 0.1]],
+    }
+
+
 @pytest.mark.parametrize(
     ("changes", "diverges"),
     [

@@ -56,6 +56,12 @@ def test_what_was_simulated_is_read(path):
     np.testing.assert_array_equal(measured.spectral_windows[0].width, observation.channels.width)
 
 
+def test_the_number_of_samples_is_known_before_they_are_read(path):
+    observation = MeasurementSet(path)
+    read = sum(chunk.stokes_i.size for chunk in observation.unchecked_chunks())
+    assert observation.expected_samples() == read
+
+
 def test_chunks_can_be_read_again_and_kept(path):
     measured = MeasurementSet(path, memory=4096)
     first, second = list(measured.chunks()), list(measured.chunks())

@@ -49,6 +49,7 @@ def test_a_store_has_the_visibilities_of_its_set_to_the_bit(original, write, opt
     assert store.header.extent == ms.header.extent
     assert store.uvw_agrees() is ms.uvw_agrees() is True
     assert store.notices() == ms.notices() == ()
+    assert store.expected_samples() == ms.expected_samples() > 0
     assert counts_of(store) == counts_of(ms)
     np.testing.assert_array_equal(store.spectral_windows[0].width, ms.spectral_windows[0].width)
 

@@ -212,8 +212,8 @@ class BeamAccumulator(BlockAccumulator[Beams]):
         Spectrum and attenuation of the sources.
     gridding
         Accuracy and resources.
-    on_work
-        Function called after each beam with the work that it took [nanoseconds].
+    on_samples
+        Function called after each beam with the number of samples over that of the beams.
     """
 
     def __init__(
@@ -221,11 +221,11 @@ class BeamAccumulator(BlockAccumulator[Beams]):
         plan: BeamPlan,
         response: Response,
         gridding: Gridding,
-        on_work: Callable[[float], None] | None = None,
+        on_samples: Callable[[float], None] | None = None,
     ) -> None:
         super().__init__(plan.shortest, plan.longest, gridding)
         self._plan, self._response, self._gridding = plan, response, gridding
-        self._on_work = on_work
+        self._on_samples = on_samples
         self._images = np.zeros((len(plan.nodes), SIZE, SIZE), np.float32)
         self._wide = np.zeros((WIDE_SIZE, WIDE_SIZE), np.float32)
         self._wide_pixel = plan.pixel / WIDE_BAND
@@ -262,8 +262,8 @@ class BeamAccumulator(BlockAccumulator[Beams]):
         for beam, part, count in executor.map(image, tasks):
             total = self._wide if beam == _WIDE else self._images[beam]
             total += part
-            if self._on_work is not None:
-                self._on_work(NANOSECONDS * count)
+            if self._on_samples is not None:
+                self._on_samples(count / len(plan.nodes))
 
     def _wide_image(
         self, uvw: Float[Array, "sample 3"], unit: Complex[Array, " sample"]

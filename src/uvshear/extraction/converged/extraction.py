@@ -18,7 +18,6 @@ The next major cycle corrects them, because its residual is exact.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 
 from uvshear.execution import Executor, single_threaded_libraries
 from uvshear.extraction.converged.acceleration import Cycle, next_sky
@@ -29,6 +28,7 @@ from uvshear.extraction.converged.extraction_state import (
     load_extraction,
     save_extraction,
 )
+from uvshear.extraction.converged.foresight import Foresight
 from uvshear.extraction.converged.history import History
 from uvshear.extraction.converged.major_cycle import first_major_cycle, next_major_cycle
 from uvshear.extraction.converged.minor_cycle import run_minor_cycle
@@ -36,11 +36,10 @@ from uvshear.extraction.converged.modelled_field import ModelledField
 from uvshear.extraction.converged.planner import Planner
 from uvshear.extraction.converged.reach import out_of_reach, too_large
 from uvshear.extraction.converged.release import release
-from uvshear.extraction.converged.sequential_pass import OnFit
 from uvshear.extraction.converged.shapes import measure_shapes
 from uvshear.extraction.converged.sky_state import SkyState
 from uvshear.extraction.converged.statistics import keep_statistics
-from uvshear.extraction.converged.workload import FIT, POSTERIOR, STATISTICS, Workload
+from uvshear.extraction.converged.workload import Workload
 from uvshear.extraction.extraction import Extracted, Extraction, Setting
 from uvshear.extraction.field import Field
 from uvshear.interferometer.held_observation import HELD_PART, HeldObservation
@@ -149,36 +148,48 @@ class ConvergedExtraction(Extraction):
         planner = Planner.from_field(modelled, baselines, self.scale_lengths, epsilon)
         gridding = Gridding.within(setting.resources, field.summary.samples, epsilon)
         gridding = replace(gridding, memory=(1 - HELD_PART) * gridding.memory)
-        on_fit, on_shape, on_statistics = (
-            partial(meter.add, work) for work in (FIT, POSTERIOR, STATISTICS)
+        rough_cycles = min(WITHOUT_LONGEST, self.most_major_cycles - 1)
+        workload = Workload(
+            planner,
+            Foresight(self.tolerance, rough_cycles, self.most_major_cycles),
+            setting.keep,
+            epsilon,
+            executor.workers,
         )
-        cycles = _Cycles(self, planner, gridding, executor, meter, bool(setting.keep))
+        cycles = _Cycles(self, workload, gridding, executor, meter)
 
         reached = load_extraction(store, baselines, modelled)
         while not reached.has_converged:
             if not reached.awaits_minor_cycle:
                 reached = cycles.with_major_cycle(reached, observation)
                 save_extraction(store, reached)
-            reached = cycles.with_minor_cycle(reached, on_fit)
+            reached = cycles.with_minor_cycle(reached)
             if reached.history.is_diverging and baselines.limit > 0:
                 return None
             save_extraction(store, reached)
 
         state, history = reached.sky, reached.history
         assert state is not None
+        meter.begin(*workload.ending)
+        posteriors = store.results("posteriors")
+        meter.expect(-len(posteriors))
         measurements = measure_shapes(
-            state, modelled, history, executor, on_shape, store.results("posteriors")
+            state, modelled, history, executor, meter.add, posteriors
         )
         record = self._record(history, baselines)
         statistics: Mapping[int, Kept] = {}
         if setting.keep:
-            released, moved = release(
-                state, self.tolerance / 2, executor, on_fit, store.part("release")
-            )
-            statistics = keep_statistics(
-                released, modelled, setting, centre, executor, on_statistics
-            )
+            meter.begin(*workload.ending[1:])
+            tolerance = self.tolerance / 2
+            released, moved = release(state, tolerance, executor, meter.add, store.part("release"))
             record["released"] = [round(rms, 4) for rms in moved]
+            meter.note(moves=record["released"])
+            meter.begin(*workload.ending[2:])
+            known = store.results("statistics")
+            meter.expect(-len(known))
+            statistics = keep_statistics(
+                released, modelled, setting, centre, executor, meter.add, known
+            )
         meter.finish()
         return Extracted(
             measurements=measurements,
@@ -207,31 +218,33 @@ class _Cycles:
     """The major and minor cycles of an extraction, from one state of the extraction to the next."""
 
     extraction: ConvergedExtraction
-    planner: Planner
+    workload: Workload
     gridding: Gridding
     executor: Executor
     meter: Meter
-    keeps_statistics: bool
-
-    @property
-    def rough_cycles(self) -> int:
-        """Number of major cycles without the longest baselines."""
-        return min(WITHOUT_LONGEST, self.extraction.most_major_cycles - 1)
 
     def with_major_cycle(
         self, reached: ExtractionState, observation: Observation
     ) -> ExtractionState:
         """Subtract the sky that the last cycles suggest, and gather the residual."""
-        state, number, planner, meter = reached.sky, len(reached.history), self.planner, self.meter
+        state, number, meter = reached.sky, len(reached.history), self.meter
+        planner, workload = self.workload.planner, self.workload
         modelled = planner.modelled
         fits = modelled.expected if state is None else next_sky(state, reached.cycles)
-        plan = planner.plan_roughly(fits) if number < self.rough_cycles else planner.plan(fits)
-        workload = Workload(planner, self.rough_cycles, self.keeps_statistics)
-        meter.expect(workload.foreseen(number, plan))
+        is_rough = number < workload.foresight.rough_cycles
+        plan = planner.plan_roughly(fits) if is_rough else planner.plan(fits)
+        meter.begin(*workload.stages(reached.history, plan))
         sky = planner.subtracted(fits)
         if state is None:
-            beams = planner.plan_beams()
-            cycle = first_major_cycle(observation, plan, beams, sky, self.gridding, meter.add)
+            cycle = first_major_cycle(
+                observation,
+                plan,
+                planner.plan_beams(),
+                sky,
+                self.gridding,
+                meter.add,
+                workload.share_of_beams,
+            )
         else:
             known = state.interaction.beams
             cycle = next_major_cycle(observation, plan, known, sky, self.gridding, meter.add)
@@ -239,17 +252,23 @@ class _Cycles:
         state = SkyState.from_major_cycle(cycle, modelled.sources, fits, self.executor, couplings)
         return replace(reached, sky=state, awaits_minor_cycle=True)
 
-    def with_minor_cycle(self, reached: ExtractionState, on_fit: OnFit) -> ExtractionState:
+    def with_minor_cycle(self, reached: ExtractionState) -> ExtractionState:
         """Fit the sources to the residual of the last major cycle."""
         state, number, extraction = reached.sky, len(reached.history), self.extraction
         assert state is not None
+        _, *stages = self.workload.stages(reached.history, state.interaction.plan)
+        self.meter.begin(*stages)
         tolerance = extraction.tolerance if number else max(extraction.tolerance, ROUGH)
-        minor = run_minor_cycle(state, tolerance, self.executor, on_fit, afresh=number < AFRESH)
+        minor = run_minor_cycle(
+            state, tolerance, self.executor, self.meter.add, afresh=number < AFRESH
+        )
         state, cycles = minor.state, reached.cycles
         # The first step, from the catalogue, tells nothing of those near the maximum of the likelihood.
         if number:
-            cycles = (*cycles, Cycle.from_state(state, self.planner.modelled.expected))
+            expected = self.workload.planner.modelled.expected
+            cycles = (*cycles, Cycle.from_state(state, expected))
         history = reached.history.with_cycle(minor.change, minor.moves)
+        self.meter.note(**history.last())
         is_last = (
             history.left_undone < extraction.tolerance
             or len(history) >= extraction.most_major_cycles

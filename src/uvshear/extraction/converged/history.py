@@ -66,13 +66,20 @@ class History:
         """Whether the last major cycle changed the sky more than the one before, and by more than the noise."""
         return len(self) > 1 and self.change_rms[-1] > max(self.change_rms[-2], 1.0)
 
+    def last(self) -> dict[str, object]:
+        """Return how the last major cycle changed the sky, for reports of the progress."""
+        return {
+            "change_rms": round(self.change_rms[-1], 4),
+            "change_max": round(self.change_max[-1], 4),
+            "left_undone": round(self.left_undone, 4),
+            "moves": _rounded_moves(self.moves[-1]),
+        }
+
     def record(self) -> dict[str, object]:
         """Return the numbers that are stored with the shapes."""
         return {
             "major_cycles": len(self),
-            "minor_cycles": [
-                [[round(change, 3) for change in pair] for pair in moves] for moves in self.moves
-            ],
+            "minor_cycles": [_rounded_moves(moves) for moves in self.moves],
             "change_rms": _rounded(self.change_rms),
             "change_max": _rounded(self.change_max),
             "left_undone": round(self.left_undone, 4),
@@ -82,3 +89,7 @@ class History:
 
 def _rounded(values: tuple[float, ...]) -> list[float]:
     return [round(value, 4) for value in values]
+
+
+def _rounded_moves(moves: Moves) -> list[list[float]]:
+    return [[round(change, 3) for change in pair] for pair in moves]

@@ -33,9 +33,8 @@ from uvshear.typing import Array, Complex, Int
 _AT_A_TIME = 2**16
 """Number of samples in a task that assigns samples to bands."""
 
-OnWork = Callable[[float], None]
-"""Function that is called with the estimated cost of the work that has been done, on one core [ns]
-(``tile_sizes.work_of``)."""
+OnSamples = Callable[[float], None]
+"""Function that is called with the number of samples that have been processed, in parts of samples."""
 
 Facets = tuple[Complex[Array, " _"], ...]
 """Correlation of the residual with a point source at each source, in the cells of its facet [1/Jy]."""
@@ -73,14 +72,22 @@ def first_major_cycle(
     beam_plan: BeamPlan,
     sky: ModelledSky,
     gridding: Gridding,
-    on_work: OnWork | None = None,
+    on_samples: OnSamples | None = None,
+    share_of_beams: float = 0.5,
 ) -> MajorCycle:
-    """Read the visibilities once, for the beams and for the residual facets."""
+    """Read the visibilities once, for the beams and for the residual facets.
+
+    ``share_of_beams`` is that part of the work that makes the beams.
+    """
+
+    def counted_as(part: float) -> OnSamples | None:
+        return on_samples and (lambda samples: on_samples(part * samples))
+
     beams, residuals = accumulate(
         observation,
         [
-            BeamAccumulator(beam_plan, sky.response, gridding, on_work),
-            ResidualAccumulator(plan, sky, gridding, on_work),
+            BeamAccumulator(beam_plan, sky.response, gridding, counted_as(share_of_beams)),
+            ResidualAccumulator(plan, sky, gridding, counted_as(1 - share_of_beams)),
         ],
     )
     return MajorCycle(plan, beams, residuals)
@@ -92,10 +99,10 @@ def next_major_cycle(
     beams: Beams,
     sky: ModelledSky,
     gridding: Gridding,
-    on_work: OnWork | None = None,
+    on_samples: OnSamples | None = None,
 ) -> MajorCycle:
     """Read the visibilities once, for the residual facets; the beams are known."""
-    accumulator = ResidualAccumulator(plan, sky, gridding, on_work)
+    accumulator = ResidualAccumulator(plan, sky, gridding, on_samples)
     (residuals,) = accumulate(observation, [accumulator])
     return MajorCycle(plan, beams, residuals)
 
@@ -105,10 +112,10 @@ def gather_residuals(
     plan: MajorCyclePlan,
     sky: ModelledSky,
     gridding: Gridding,
-    on_work: OnWork | None = None,
+    on_samples: OnSamples | None = None,
 ) -> Facets:
     """Return the facet of each source with all models subtracted, centred on the directions ``plan.centres``."""
-    (facets,) = accumulate(observation, [ResidualAccumulator(plan, sky, gridding, on_work)])
+    (facets,) = accumulate(observation, [ResidualAccumulator(plan, sky, gridding, on_samples)])
     for facet, cutout, offset in zip(facets, plan.cutouts, plan.offset, strict=True):
         cutout.recentre(facet, tuple(offset))
     return facets
@@ -125,8 +132,8 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
         The models to be subtracted.
     gridding
         Accuracy and resources.
-    on_work
-        Function called after each tile with the estimated cost of imaging it once [ns].
+    on_samples
+        Function called now and then with the number of samples processed since the last call.
     """
 
     def __init__(
@@ -134,10 +141,11 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
         plan: MajorCyclePlan,
         sky: ModelledSky,
         gridding: Gridding,
-        on_work: OnWork | None = None,
+        on_samples: OnSamples | None = None,
     ) -> None:
         super().__init__(plan.shortest, plan.longest, gridding)
-        self._plan, self._sky, self._gridding, self._on_work = plan, sky, gridding, on_work
+        self._plan, self._sky, self._gridding = plan, sky, gridding
+        self._on_samples = on_samples
         self._filters = filters_of_plan(plan, sky.galaxies, sky.response)
         self._facets = shared_facets([len(cutout.multiplicity) for cutout in plan.cutouts])
 
@@ -158,10 +166,14 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
             BandView(part, plan.tiles[b], self._filters[b], plan.bands[b])
             for b, part in zip(bands, _parts(samples, plan, bands, gridding.executor), strict=True)
         ]
-        residuals = _weighted_residuals(views, sky, gridding)
-        for work in add_to_facets(residuals, plan, self._facets, gridding):
-            if self._on_work is not None:
-                self._on_work(work)
+
+        def tell(share: float) -> None:
+            if self._on_samples is not None:
+                self._on_samples(share * len(samples) / 2)
+
+        residuals = _weighted_residuals(views, sky, gridding, tell)
+        for share in add_to_facets(residuals, plan, self._facets, gridding):
+            tell(share)
 
 
 def _parts(
@@ -181,15 +193,17 @@ def _parts(
 
 
 def _weighted_residuals(
-    views: Sequence[BandView], sky: ModelledSky, gridding: Gridding
+    views: Sequence[BandView],
+    sky: ModelledSky,
+    gridding: Gridding,
+    on_share: Callable[[float], None],
 ) -> WeightedResiduals:
     """Subtract the models, and multiply by the weights and the common spectrum.
 
     The common spectrum is the part of the matched filter that all sources share.
     """
-    models = predict_bands(
-        [PredictedBand(view.samples, view.tiles, view.band) for view in views], sky, gridding
-    )
+    bands = [PredictedBand(view.samples, view.tiles, view.band) for view in views]
+    models = predict_bands(bands, sky, gridding, on_share)
 
     def weighted(seen: tuple[BandView, Complex[Array, " _"]]) -> Complex[Array, " _"]:
         samples, model = seen[0].samples, seen[1]

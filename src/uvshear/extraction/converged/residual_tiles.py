@@ -75,20 +75,22 @@ def add_to_facets(
     Yields
     ------
     float
-        When a tile is finished, the estimated cost of imaging it once [ns].
+        After each image of a slab of samples, its estimated share of the time of all of them.
     """
     tiles = _tiles_of_bands(residuals)
     widest = max(each.tile.size for of_band in tiles for each in of_band)
     most = max(len(view.samples) for view in residuals.views)
 
+    whole = sum(each.work for each in chain.from_iterable(tiles))
+
     def image(each: _ImagedTile, part: int) -> float:
         each.image(part)
-        return 0.0 if each.is_top or part < len(each) - 1 else each.work
+        return each.work / (len(each) * whole)
 
     def cut(each: _ImagedTile) -> float:
         with each.images.used() as images:
             _cut(images, each.tile, each.filters, plan, facets)
-        return each.work
+        return 0.0
 
     tasks: list[Callable[[], float]] = []
     uncut = deque[_ImagedTile]()
@@ -101,9 +103,9 @@ def add_to_facets(
         if len(uncut) > UNCUT:
             tasks.append(partial(cut, uncut.popleft()))
     tasks += [partial(cut, each) for each in uncut]
-    for work in gridding.executor_for(widest, most).map(_run, tasks):
-        if work:
-            yield work
+    for share in gridding.executor_for(widest, most).map(_run, tasks):
+        if share:
+            yield share
 
 
 def _run(task: Callable[[], float]) -> float:
@@ -162,8 +164,8 @@ class _ImagedTile:
 
     @property
     def work(self) -> float:
-        """Estimated cost of imaging the tile once [ns]."""
-        return work_of(len(self.view.samples), self.tile)
+        """Estimated cost of its images, on one core [ns]."""
+        return len(self.filters.seen_as) * work_of(len(self.view.samples), self.tile)
 
     def image(self, part: int) -> None:
         """Image one part, and add it to the previous slab of its filter."""

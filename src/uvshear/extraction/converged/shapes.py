@@ -40,8 +40,6 @@ def measure_shapes(
     subject = _Measured(state, modelled, history, marginaliser, unit_of)
     known = Results() if known is None else known
     left = [k for k in galaxies if k not in known]
-    for _ in range(len(galaxies) - len(left)):
-        on_shape()
     shapes = executor.distribute(_measure_one, subject, left)
     for k, shape in zip(left, shapes, strict=True):
         on_shape()

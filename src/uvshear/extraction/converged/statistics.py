@@ -33,10 +33,12 @@ def keep_statistics(
     phase_centre: PhaseCentre,
     executor: Executor,
     on_source: Callable[[], None],
+    known: Results[Kept] | None = None,
 ) -> Mapping[int, Kept]:
     """Compute the statistics of every galaxy, with a flag for each estimator, by index of the catalogue.
 
-    Those that are in the store of the setting are not computed again.
+    Statistics that are known already, by the number of the galaxy among the modelled sources, are not computed again;
+    the others are added to them.
     """
     subject = _Kept(
         state,
@@ -45,13 +47,11 @@ def keep_statistics(
         phase_centre,
         modelled.strength_at_1_4_ghz,
     )
-    known: Results[Kept] = setting.store.results("statistics")
+    known = Results() if known is None else known
     workers = min(setting.resources.memory // BYTES_PER_WORKER, executor.workers)
     executor = executor.at_most(int(workers))
     most = min(MOST_IN_A_PART, math.ceil(len(modelled.galaxies) / (2 * executor.workers)))
     left = [k for k in modelled.galaxies if k not in known]
-    for _ in range(len(modelled.galaxies) - len(left)):
-        on_source()
     parts = _by_beam(state, left, most)
     for part, found in zip(parts, executor.distribute(_statistics, subject, parts), strict=True):
         for k, numbers in zip(part, found, strict=True):

@@ -10,6 +10,7 @@ term w (n - 1) is a sum of a few products in them (``imaging.w_terms``), and sev
 import heapq
 import math
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 import numpy as np
 
@@ -120,23 +121,50 @@ def _time_of_plan(
     epsilon: float,
 ) -> float:
     """Estimate the time of all major cycles with ``_WORKERS`` workers [ns]."""
+    finest, *coarser = tasks_of_bands(plan, factors, uvw, samples, epsilon)
+    others = list(chain.from_iterable(coarser))
+    rough = others or finest
+    return _ROUGH_CYCLES * _span(rough, _WORKERS) + _span(finest + others, _WORKERS)
+
+
+def tasks_of_bands(
+    plan: MajorCyclePlan,
+    factors: Float[Array, "probe source"] | None,
+    uvw: Float[Array, "probe 3"],
+    samples: int,
+    epsilon: float,
+) -> list[list[float]]:
+    """Estimate the cost of each task of a major cycle, on one core [ns]; there is a list for each band.
+
+    Parameters
+    ----------
+    plan
+        Plan of a major cycle.
+    factors
+        Factors of all sources for the probes; None where all sources have the same.
+    uvw
+        Baselines of the probes [wavelengths].
+    samples
+        Number of samples of the observation.
+    epsilon
+        Relative error of the gridder.
+    """
     distance = np.hypot(uvw[:, 0], uvw[:, 1])
-    finest: list[float] = []
-    others: list[float] = []
-    for number, (band, tiles) in enumerate(zip(plan.bands, plan.tiles, strict=True)):
+    of_bands = []
+    for band, tiles in zip(plan.bands, plan.tiles, strict=True):
         inside = band.holds(distance)
         in_band = math.ceil(samples * float(np.mean(inside)))
         # Few probes in a band would not tell how much factors differ.
         enough = np.count_nonzero(inside) >= max(1, len(uvw) // 8)
         seen = factors[inside] if factors is not None and enough else factors
+        of_band: list[float] = []
         for tile in tiles:
             images = 1
             if seen is not None:
                 images = len(SharedFactors.from_factors(seen[:, tile.members]).chosen)
-            tasks = images * _tasks_of_image(in_band, tile, band, uvw[inside, 2], epsilon)
-            (others if number else finest).extend(tasks)
-    rough = others or finest
-    return _ROUGH_CYCLES * _span(rough, _WORKERS) + _span(finest + others, _WORKERS)
+            of_band += images * _tasks_of_image(in_band, tile, band, uvw[inside, 2], epsilon)
+        of_bands.append(of_band)
+    return of_bands
 
 
 def _tasks_of_image(

@@ -22,7 +22,7 @@ from uvshear.extraction.paper.paper_sky import PaperSky
 from uvshear.extraction.paper.paper_state import PaperState
 from uvshear.extraction.paper.sequential_pass import SequentialPass, batches
 from uvshear.interferometer.visibilities import Observation
-from uvshear.progress import Meter, Progress
+from uvshear.progress import Meter, Progress, Stage
 from uvshear.shapes.measurement import FitFlag
 
 BAD: Final = frozenset(
@@ -71,7 +71,8 @@ class PaperExtraction(Extraction):
         order = batches(field, field.measured, self.separation)
         reached: PaperState = store.load(_SKY) or PaperState(PaperSky(field.sky))
         first = self.passes * len(order)
-        meter.expect((first - min(reached.batches, first)) * field.summary.rows)
+        rows = (first - min(reached.batches, first)) * field.summary.rows
+        meter.begin(Stage("sources", rows, rows, "rows"))
         while reached.batches < first:
             fit = run.improve if reached.batches < first - len(order) else run.measure
             reached = fit(reached, order[reached.batches % len(order)])

@@ -142,6 +142,11 @@ class MeasurementSet:
         )
         return max(1, self.memory // (BYTES_PER_SAMPLE * samples + BYTES_PER_ROW))
 
+    def expected_samples(self) -> float:
+        """Return the number of samples of the main table, with those of other fields and scans."""
+        channels = [len(description.channels) for description in self.header.descriptions]
+        return self.header.rows * sum(channels) / len(channels)
+
     def origin(self) -> Origin:
         """Return the set itself, under its path."""
         return Origin(self, str(self.path))

@@ -2,7 +2,7 @@
 
 import math
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
@@ -18,6 +18,7 @@ from uvshear.io.disk_space import require_space
 from uvshear.io.measurement_set.subtables import write_subtables
 from uvshear.io.measurement_set.writing import written
 from uvshear.io.outputs import check_output, new_outputs
+from uvshear.progress import Meter, Progress, Stage
 from uvshear.simulation.observation import CorrelationBlock, SimulatedObservation
 
 TILE_BYTES: Final = 2**20
@@ -73,7 +74,7 @@ def write_measurement_set(
     overwrite: bool = False,
     executor: Executor = SERIAL,
     hands: Hands = Hands.LINEAR,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> None:
     """Simulate an observation and write it, a block of rows at a time; completely or not at all.
 
@@ -90,7 +91,8 @@ def write_measurement_set(
     hands
         Kind of feed.
     progress
-        Function that is called after every block with the number of rows written and the number of all rows.
+        Function that is called after every block with the number of rows written and the number of all rows, or an
+        observer of the stages.
     """
     target = Path(path)
     check_measurement_set_output(target, overwrite=overwrite)
@@ -100,10 +102,12 @@ def write_measurement_set(
         description = _create_twice(unfinished, observation)
         write_subtables(unfinished, observation, hands)
         with written(tables.table(str(unfinished), readonly=False, ack=False)) as main:
+            meter, channels = Meter(progress), len(observation.channels)
+            rows = len(observation.coverage)
+            meter.begin(Stage("simulation", rows, rows * channels, "visibilities"))
             for block in observation.blocks(executor):
                 _write_block(main, observation.coverage, block)
-                if progress is not None:
-                    progress(block.first_row + len(block), len(observation.coverage))
+                meter.add(len(block) * channels)
         (unfinished / DESCRIPTION).write_bytes(description)
 
 

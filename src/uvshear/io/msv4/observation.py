@@ -96,6 +96,13 @@ class Msv4Store:
         """Channels of each partition that has visibilities of the field."""
         return tuple(partition.setup.channels for partition in self.header.partitions)
 
+    def expected_samples(self) -> float:
+        """Return the number of samples of all partitions, with those of other fields and scans."""
+        return sum(
+            len(each.timeline) * len(each.baselines[0]) * len(each.setup.channels)
+            for each in self.header.partitions
+        )
+
     def chunks(self) -> Iterator[Visibilities]:
         """Read the cross-correlations once; a chunk has one spectral window.
 

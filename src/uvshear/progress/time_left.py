@@ -1,0 +1,122 @@
+"""The time that a computation still needs, judged by what its stages have taken so far.
+
+The cost of every stage is estimated beforehand (``Stage.cost``), and a stage takes
+
+    seconds = cost * pace of its kind.
+
+The pace of a kind is known once a stage of this kind has been seen; of a kind that has not been seen, it is taken to be
+that of all work so far. The pace of the stage that is under way moves from there to what it shows itself. Before much
+has been seen, the pace that is known beforehand (``Stage.pace``) counts as well.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from uvshear.progress.stage import Stage
+
+SEEN, UNSEEN = 0.5, 0.3
+"""Part of a stage after which its own pace counts as much as that of earlier stages, of its kind or of other kinds."""
+
+BEFOREHAND = 0.05
+"""Part of all work that has to be done before the pace that it shows counts as much as the one known beforehand."""
+
+OVERDUE = 0.1
+"""Time that a stage needs at least to its next report, over what it was expected to need."""
+
+
+@dataclass(frozen=True)
+class Finished:
+    """Work that is done, and the time that it took [s]."""
+
+    kind: str
+    cost: float
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Running:
+    """The stage that is under way.
+
+    Parameters
+    ----------
+    stage
+        The stage as it was expected.
+    since
+        Time at which it began [s].
+    done, expected
+        Units that are done and that are expected in all, by the last report.
+    reported
+        Time of the last report [s].
+    """
+
+    stage: Stage
+    since: float
+    done: float
+    expected: float
+    reported: float
+
+    @property
+    def cost(self) -> float:
+        """Work that the whole stage is expected to be."""
+        return self.expected * self.stage.unit_cost if self.stage.cost > 0 else 0.0
+
+    @property
+    def so_far(self) -> Finished:
+        """The part of it that is done."""
+        share = min(self.done / self.expected, 1.0) if self.expected > 0 else 0.0
+        return Finished(kind_of(self.stage), share * self.cost, self.reported - self.since)
+
+
+def kind_of(stage: Stage) -> str:
+    """Return the kind of a stage; a stage without one is of its own kind."""
+    return stage.kind or stage.name
+
+
+def time_left(
+    finished: Sequence[Finished], running: Running, then: Sequence[Stage], now: float
+) -> float | None:
+    """Return the time that is left [s]; None while nothing is known of the pace or of what is to come.
+
+    Parameters
+    ----------
+    finished
+        Stages that have ended.
+    running
+        The stage that is under way.
+    then
+        Stages that are expected to follow.
+    now
+        Present time [s].
+    """
+    if running.cost <= 0:
+        return None
+    part = running.so_far
+    known = [each for each in (*finished, part) if each.cost > 0]
+    foreseen = known
+    if running.stage.pace > 0:
+        to_come = running.cost - part.cost + sum(stage.cost for stage in then)
+        whole = to_come + sum(each.cost for each in known)
+        imagined = BEFOREHAND * whole
+        foreseen = [*known, Finished("", imagined, imagined * running.stage.pace)]
+    overall = pace(foreseen)
+    if overall is None:
+        return None
+    before = pace([each for each in finished if each.kind == part.kind])
+    # What the stage has shown counts in proportion to the part of it that is done.
+    weight = running.cost * (UNSEEN if before is None else SEEN)
+    expected = overall if before is None else before
+    own = (part.seconds + weight * expected) / (part.cost + weight) if part.cost else expected
+    left = (running.cost - part.cost) * own
+    left = max(left - (now - running.reported), OVERDUE * left)
+    for stage in then:
+        seen = pace([each for each in known if each.kind == kind_of(stage)])
+        if kind_of(stage) == part.kind:
+            seen = own
+        left += stage.cost * (overall if seen is None else seen)
+    return left
+
+
+def pace(finished: Sequence[Finished]) -> float | None:
+    """Return the time that a unit of cost has taken [s]; None if nothing has been done."""
+    cost = sum(each.cost for each in finished)
+    return sum(each.seconds for each in finished if each.cost > 0) / cost if cost > 0 else None
