@@ -173,9 +173,7 @@ class ConvergedExtraction(Extraction):
         meter.begin(*workload.ending)
         posteriors = store.results("posteriors")
         meter.expect(-len(posteriors))
-        measurements = measure_shapes(
-            state, modelled, history, executor, meter.add, posteriors
-        )
+        measurements = measure_shapes(state, modelled, history, executor, meter.add, posteriors)
         record = self._record(history, baselines)
         statistics: Mapping[int, Kept] = {}
         if setting.keep:
