@@ -29,7 +29,7 @@ Algorithm: ``Method``
     ``ConvergedExtraction`` or ``PaperExtraction``, a ``UvRange``, and weightings: ``Uniform``, ``Briggs``,
     ``GaussianTaper``, ``TukeyTaper`` and ``RoundPsf``.
 Cores and memory: ``Resources``
-    The executor is ``Serial``, ``Copies``, ``Threads`` or ``Processes``.
+    The executor is ``Serial``, ``Copies``, ``Threads``, ``Processes`` or ``Dask``.
 Shear
     ``estimate_shear`` returns a ``ShearEstimate``, for which it uses ``Mean``, ``Moments``, ``Bayesian`` or
     ``Metacal``; ``write_shear`` writes the estimate to a file.
@@ -82,6 +82,7 @@ if TYPE_CHECKING:
     )
     from uvshear.execution import (
         Copies,
+        Dask,
         Executor,
         Processes,
         Resources,
@@ -176,7 +177,7 @@ _HOMES = {
     "estimators": (
         "Bayesian Bias Estimator Mean Metacal Moments Sample ShearEstimate Terms UnlensedPopulation"
     ),
-    "execution": "Copies Executor Processes Resources Serial Threads",
+    "execution": "Copies Dask Executor Processes Resources Serial Threads",
     "extraction": "ConvergedExtraction Extraction Method Model PaperExtraction",
     "galaxy": (
         "CatalogueSize DiscBulge DiscEllipticityPrior EllipticityPrior Exponential "
@@ -236,6 +237,7 @@ __all__ = [
     "CorrelationNoise",
     "CosineCubedBeam",
     "CosineTaperBeam",
+    "Dask",
     "DataWarning",
     "DiscBulge",
     "DiscEllipticityPrior",

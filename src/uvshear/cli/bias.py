@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from uvshear.cli.clusters import SchedulerOption, executor_of
 from uvshear.cli.estimators import NAMES, PAPER, PRIOR_METAVAR, estimator_named
 from uvshear.cli.extractions import FacetName
 from uvshear.cli.options import (
@@ -243,6 +244,7 @@ def bias(
     ] = (10.0, 10.0),
     seed: Seed = 1,
     threads: Threads = 0,
+    scheduler: SchedulerOption = None,
     overwrite: Overwrite = False,
 ) -> None:
     """Measure the bias m and c of an estimator on simulated galaxies.
@@ -301,6 +303,7 @@ def bias(
         has_rings=rings,
         averages_cells=is_averaged,
     )
+    executor = executor_of(context, scheduler, in_processes(threads))
     with progress_bar("simulating and measuring") as progress:
         found = estimate_bias(
             method,
@@ -309,7 +312,7 @@ def bias(
             seed=seed,
             survey=survey,
             density=density,
-            resources=Resources(in_processes(threads)),
+            resources=Resources(executor),
             progress=progress,
         )
     write_bias(output, found, provenance(context), overwrite=overwrite)

@@ -20,7 +20,12 @@ class Executor(ABC):
     @property
     @abstractmethod
     def workers(self) -> int:
-        """Number of tasks that run at the same time."""
+        """Number of tasks that run at the same time on this machine."""
+
+    @property
+    def distributed_workers(self) -> int:
+        """Number of tasks of :meth:`distribute` that run at the same time, on whatever machines."""
+        return self.workers
 
     @abstractmethod
     def at_most(self, workers: int) -> "Executor":

@@ -38,7 +38,9 @@ def keep_statistics(
     kept: dict[int, Kept] = {}
     workers = min(setting.resources.memory // BYTES_PER_WORKER, executor.workers)
     executor = executor.at_most(int(workers))
-    most = min(MOST_IN_A_PART, math.ceil(len(modelled.galaxies) / (2 * executor.workers)))
+    most = min(
+        MOST_IN_A_PART, math.ceil(len(modelled.galaxies) / (2 * executor.distributed_workers))
+    )
     parts = _by_beam(state, modelled.galaxies, most)
     for part, found in zip(parts, executor.distribute(_statistics, subject, parts), strict=True):
         for k, numbers in zip(part, found, strict=True):
