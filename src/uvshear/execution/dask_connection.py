@@ -99,11 +99,16 @@ def _check(client: Any, address: str) -> None:
 
 @contextmanager
 def _without_log() -> Iterator[None]:
-    """Silence the log of Dask within the block: what matters becomes an error of one line."""
-    log = logging.getLogger("distributed")
-    before = log.level
-    log.setLevel(logging.CRITICAL + 1)
+    """Silence the logs of Dask within the block: what matters becomes an error of one line."""
+    names = [
+        name for name in logging.root.manager.loggerDict if name.split(".")[0] == "distributed"
+    ]
+    logs = {name: logging.getLogger(name) for name in names}
+    before = {name: log.disabled for name, log in logs.items()}
+    for log in logs.values():
+        log.disabled = True
     try:
         yield
     finally:
-        log.setLevel(before)
+        for name, log in logs.items():
+            log.disabled = before[name]
