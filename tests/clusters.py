@@ -34,10 +34,11 @@ class Cluster:
         self.workers.append(process)
         return process
 
-    def kill(self, worker: int) -> None:
+    def kill(self, process: int) -> None:
         """Kill a worker by SIGKILL, as the system does when memory runs out."""
-        self.workers[worker].send_signal(signal.SIGKILL)
-        self.workers[worker].wait(10)
+        (worker,) = (each for each in self.workers if each.pid == process)
+        worker.send_signal(signal.SIGKILL)
+        worker.wait(10)
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from astropy.table import Table
 
 from tests.cli.processes import COMMAND, environment, started, wait_for
 from tests.clusters import Cluster, cluster
+from uvshear.io.observations import open_observation
 
 BIAS = "bias --estimator moments --galaxies 200 --integration-s 3600 --seed 2 --threads 1"
 
@@ -33,19 +34,21 @@ def _ran(*words: str | Path) -> None:
 
 def _ran_while_a_worker_is_killed(own_cluster: Cluster, *words: str | Path) -> None:
     with started(*words, "--scheduler", own_cluster.address) as running:
-        wait_for(lambda: all(_tasks(own_cluster).values()))
-        own_cluster.kill(0)
+        wait_for(lambda: any(_tasks(own_cluster).values()))
+        busy = next(process for process, count in _tasks(own_cluster).items() if count)
+        own_cluster.kill(busy)
         _, told = running.communicate(timeout=120)
         assert running.returncode == 0, told
 
 
-def _tasks(found: Cluster) -> dict[str, int]:
-    """Count the tasks that each worker has at the moment."""
+def _tasks(found: Cluster) -> dict[int, int]:
+    """Count the tasks that each worker, given by its process, has at the moment."""
     return _of_scheduler(found, _processing)
 
 
-def _processing(dask_scheduler) -> dict[str, int]:
-    return {name: len(state.processing) for name, state in dask_scheduler.workers.items()}
+def _processing(dask_scheduler) -> dict[int, int]:
+    workers = dask_scheduler.workers.values()
+    return {worker.pid: len(worker.processing) for worker in workers}
 
 
 def _of_scheduler(found: Cluster, function: Callable) -> dict:
@@ -88,6 +91,20 @@ def test_the_bias_is_the_same_with_a_cluster_that_loses_a_worker(
     _ran(*BIAS.split(), "-o", tmp_path / "serial.json")
     _ran_while_a_worker_is_killed(own_cluster, *BIAS.split(), "-o", tmp_path / "cluster.json")
     assert _figures(tmp_path / "cluster.json") == _figures(tmp_path / "serial.json")
+
+
+def test_averages_are_the_same_with_a_cluster_that_loses_a_worker(
+    own_cluster: Cluster, tmp_path: Path, field: Path
+) -> None:
+    words = ["average", field, "--field-arcmin", "4"]
+    _ran(*words, "--threads", "1", "-o", tmp_path / "serial.ms")
+    _ran_while_a_worker_is_killed(own_cluster, *words, "-o", tmp_path / "cluster.ms")
+    one, other = (
+        list(open_observation(tmp_path / f"{name}.ms").chunks()) for name in ("serial", "cluster")
+    )
+    for seen, same in zip(one, other, strict=True):
+        for name in ("uvw", "stokes_i", "weights"):
+            assert getattr(seen, name).tobytes() == getattr(same, name).tobytes()
 
 
 def test_an_interruption_ends_the_command_and_its_tasks(
@@ -138,7 +155,7 @@ def test_without_a_scheduler_nothing_of_dask_is_imported(tmp_path: Path) -> None
     program = (
         "import sys\n"
         "from uvshear.cli.application import run\n"
-        f"assert run({[*BIAS.replace("200", "100").split(), '-o', str(tmp_path / 'b.json')]}) == 0\n"
+        f"assert run({[*BIAS.replace('200', '100').split(), '-o', str(tmp_path / 'b.json')]}) == 0\n"
         "assert not {'dask', 'distributed', 'tornado'} & set(sys.modules)\n"
     )
     done = subprocess.run(

@@ -16,7 +16,7 @@ def test_a_worker_that_is_killed_costs_only_its_tasks(tmp_path) -> None:
         ):
             results.append(result)
             if number == 20:
-                found.kill(0)
+                found.kill(found.workers[0].pid)
     assert [task for task, _ in results] == list(range(300))
     assert len({process for _, process in results[-20:]}) == 1
 
@@ -29,7 +29,7 @@ def test_a_cluster_that_has_lost_all_workers_goes_on_with_a_new_one(tmp_path) ->
         ):
             results.append(result)
             if number == 20:
-                found.kill(0)
+                found.kill(found.workers[0].pid)
                 found.start_worker()
     assert [task for task, _ in results] == list(range(200))
     assert len({process for _, process in results}) == 2

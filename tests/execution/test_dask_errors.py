@@ -24,7 +24,7 @@ def test_a_cluster_without_a_worker_left_ends_the_call(tmp_path, monkeypatch) ->
     with cluster(tmp_path, workers=1) as found, connected(found.address) as client:
         results = Dask(client, Serial()).distribute(work.brief, 1, range(200))
         next(results)
-        found.kill(0)
+        found.kill(found.workers[0].pid)
         with pytest.raises(ClusterLost, match="no worker of the cluster can be reached"):
             list(results)
 

@@ -63,10 +63,19 @@ class DaskCall:
         Function of the shared object and a task.
     shared
         The object that the tasks use.
+    most_in_a_batch
+        Largest number of tasks in a batch.
     """
 
-    def __init__(self, client: Any, function: Callable[..., Any], shared: Any) -> None:
-        self._client, self._function = client, function
+    def __init__(
+        self,
+        client: Any,
+        function: Callable[..., Any],
+        shared: Any,
+        *,
+        most_in_a_batch: int = MOST_IN_A_BATCH,
+    ) -> None:
+        self._client, self._function, self._most = client, function, most_in_a_batch
         self._parcel = Parcel.packed(shared)
         self._version = version()
         self._held: Any = None
@@ -109,7 +118,7 @@ class DaskCall:
         if seconds is None or left <= 0:
             return 1
         worthwhile = int(WORTH_A_BATCH / max(seconds, 1e-6))
-        return max(1, min(worthwhile, left // (2 * QUEUED * workers), MOST_IN_A_BATCH))
+        return max(1, min(worthwhile, left // (2 * QUEUED * workers), self._most))
 
     def _place(self) -> int:
         """Place the shared object on the workers, and return the number of tasks that they do at a time."""

@@ -60,6 +60,15 @@ class Dask(Executor):
         """
         return DaskCall(self.client, function, shared).results(tasks)
 
+    def in_partitions(
+        self,
+        function: Callable[[Shared, Task], Result],
+        shared: Shared,
+        partitions: Iterable[Task],
+    ) -> Iterator[Result]:
+        """Yield the results, from the workers of the cluster, where this executor is ``Serial``."""
+        return DaskCall(self.client, function, shared, most_in_a_batch=1).results(partitions)
+
     def crew(self, shared: Shared) -> AbstractContextManager[Crew[Shared]]:
         """Return workers on this machine."""
         return self.local.crew(shared)

@@ -62,6 +62,21 @@ class Executor(ABC):
         worker once. Tasks and results are picklable.
         """
 
+    def in_partitions(
+        self,
+        function: Callable[[Shared, Task], Result],
+        shared: Shared,
+        partitions: Iterable[Task],
+    ) -> Iterator[Result]:
+        """Yield ``function(shared, partition)`` for every partition of data that each worker can read by itself.
+
+        Unless a subclass overrides this method, one partition follows the other in this process, and it is for the
+        function to occupy the workers of this executor. On a cluster each partition occupies one worker. ``function``
+        is defined at the top level of a module. ``shared``, which may contain this executor, partitions and results are
+        picklable.
+        """
+        return (function(shared, partition) for partition in partitions)
+
     def crew(self, shared: Shared) -> AbstractContextManager[Crew[Shared]]:
         """Return workers that hold an object and are told how it changes.
 
