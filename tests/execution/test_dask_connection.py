@@ -32,7 +32,7 @@ def test_an_address_where_nobody_answers_is_refused_within_seconds(monkeypatch) 
                 connected(f"127.0.0.1:{port}"),
             ):
                 pass
-    assert time.monotonic() - began < 10
+    assert time.monotonic() - began < 20
 
 
 def test_a_cluster_without_workers_is_refused(tmp_path) -> None:

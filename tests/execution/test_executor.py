@@ -102,3 +102,22 @@ def test_few_tasks_are_begun_ahead(executor: Executor) -> None:
 def test_small_tasks_that_come_together_have_the_same_results(executor, number) -> None:
     found = executor.map_in_batches(lambda task: task**2, range(number), 4)
     assert list(found) == [task**2 for task in range(number)]
+
+
+@each
+@pytest.mark.parametrize("number", [1, 9, 20])
+def test_sums_over_partitions_agree_bit_by_bit(executor: Executor, number: int) -> None:
+    shared = np.random.default_rng(1).normal(size=1001)
+    expected = Serial().sum_partitions(work.waves, work.added, shared, range(number))
+    found = executor.sum_partitions(work.waves, work.added, shared, range(number))
+    assert found.tobytes() == expected.tobytes()
+    one_by_one = list(executor.in_partitions(work.waves, shared, range(number)))
+    np.testing.assert_allclose(np.sum(one_by_one, axis=0), found, rtol=1e-12, atol=1e-12)
+
+
+@each
+def test_the_error_of_a_partition_reaches_the_caller(executor: Executor) -> None:
+    with pytest.raises(ValueError, match="task 3"):
+        executor.sum_partitions(work.failing, work.added, None, range(9))
+    with pytest.raises(ValueError, match="task 3"):
+        list(executor.in_partitions(work.failing, None, range(9)))

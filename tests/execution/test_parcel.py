@@ -44,3 +44,9 @@ def test_arrays_are_not_copied_when_they_are_packed() -> None:
 
 def test_the_size_of_a_parcel_is_that_of_its_content() -> None:
     assert 8e6 < sys.getsizeof(Parcel.packed(np.zeros(1_000_000))) < 8.01e6
+
+
+def test_a_copy_of_the_content_is_independent() -> None:
+    parcel = Parcel.packed(np.zeros(10))
+    parcel.copy()[:] = 1.0
+    np.testing.assert_array_equal(parcel.content(), 0.0)

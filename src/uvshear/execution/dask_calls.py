@@ -121,13 +121,8 @@ class DaskCall:
         return max(1, min(worthwhile, left // (2 * QUEUED * workers), self._most))
 
     def _place(self) -> int:
-        """Place the shared object on the workers, and return the number of tasks that they do at a time."""
-        with lost_by(self._client):
-            self._client.wait_for_workers(1, timeout=WAIT_FOR_WORKERS)
-            (self._held,) = self._client.scatter(
-                [self._parcel], direct=True, broadcast=True, hash=False
-            )
-            return max(1, sum(self._client.nthreads().values()))
+        self._held, workers = place(self._client, self._parcel)
+        return workers
 
     def _begin(self, batch: _Batch) -> None:
         asked = packed((self._function, batch.tasks))
@@ -203,3 +198,11 @@ class DaskCall:
         if self._client.status == "running":
             self._client.cancel(futures)
         self._held = None
+
+
+def place(client: Any, parcel: Parcel) -> tuple[Any, int]:
+    """Place an object on all workers; return its future, and the number of tasks that the workers do at a time."""
+    with lost_by(client):
+        client.wait_for_workers(1, timeout=WAIT_FOR_WORKERS)
+        (held,) = client.scatter([parcel], direct=True, broadcast=True, hash=False)
+        return held, max(1, sum(client.nthreads().values()))

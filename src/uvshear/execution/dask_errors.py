@@ -20,9 +20,10 @@ def lost_by(client: Any) -> Iterator[None]:
     try:
         yield
     except KilledWorker as error:
+        count = error.allowed_failures + 1
         raise ClusterLost(
-            f"{error.allowed_failures + 1} workers of the cluster ended during the same task; they may have been killed"
-            " for lack of memory"
+            f"{count} worker{'s' * (count > 1)} of the cluster ended during the same task; the system may have killed"
+            " them for lack of memory"
         ) from error
     except FutureCancelledError as error:
         if client.status == "running":

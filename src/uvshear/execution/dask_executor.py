@@ -8,6 +8,7 @@ from typing import Any
 from uvshear.execution.cores import in_copies
 from uvshear.execution.crew import Crew, Result, Shared, Task
 from uvshear.execution.dask_calls import DaskCall
+from uvshear.execution.dask_sums import DaskSum
 from uvshear.execution.executor import Executor
 from uvshear.execution.serial import Serial
 
@@ -68,6 +69,17 @@ class Dask(Executor):
     ) -> Iterator[Result]:
         """Yield the results, from the workers of the cluster, where this executor is ``Serial``."""
         return DaskCall(self.client, function, shared, most_in_a_batch=1).results(partitions)
+
+    def sum_partitions(
+        self,
+        function: Callable[[Shared, Task], Result],
+        add: Callable[[Result, Result], Result],
+        shared: Shared,
+        partitions: Iterable[Task],
+    ) -> Result:
+        """Return the sum, which the workers of the cluster have added up."""
+        found: Result = DaskSum(self.client, function, add, shared).total(partitions)
+        return found
 
     def crew(self, shared: Shared) -> AbstractContextManager[Crew[Shared]]:
         """Return workers on this machine."""

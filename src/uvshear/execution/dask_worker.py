@@ -4,7 +4,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, reduce
 from typing import Any
 
 from uvshear.errors import InputError
@@ -67,6 +67,19 @@ def work(expected: str, held: Parcel, asked: bytes) -> Parcel:
     except Exception as failure:
         error = failure
     return Parcel.packed(Answers(results, error, time.perf_counter() - start))
+
+
+def work_on_partition(expected: str, held: Parcel, function: bytes, partition: bytes) -> Parcel:
+    """Return the result of one partition, which stays on this worker until it is added to others."""
+    check_version(version(), expected)
+    _prepare()
+    return Parcel.packed(unpacked(function)(unpacked(held), unpacked(partition)))
+
+
+def add_up(add: bytes, results: Sequence[Parcel]) -> Parcel:
+    """Add up results in their order. The results themselves stay as they are: they may be needed again."""
+    added = unpacked(add)
+    return Parcel.packed(reduce(added, (each.content() for each in results[1:]), results[0].copy()))
 
 
 def check_version(found: str, expected: str) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 from uvshear.execution.crew import Crew, LocalCrew, Result, Shared, Task
+from uvshear.execution.tree import tree_sum
 
 
 class Executor(ABC):
@@ -76,6 +77,19 @@ class Executor(ABC):
         picklable.
         """
         return (function(shared, partition) for partition in partitions)
+
+    def sum_partitions(
+        self,
+        function: Callable[[Shared, Task], Result],
+        add: Callable[[Result, Result], Result],
+        shared: Shared,
+        partitions: Iterable[Task],
+    ) -> Result:
+        """Add up the results of :meth:`in_partitions` for one or more partitions, in the order of ``tree_sum``.
+
+        ``add(total, more)`` may change the total and return it. On a cluster the workers add, and send only the sum.
+        """
+        return tree_sum(self.in_partitions(function, shared, partitions), add)
 
     def crew(self, shared: Shared) -> AbstractContextManager[Crew[Shared]]:
         """Return workers that hold an object and are told how it changes.

@@ -39,6 +39,10 @@ class Parcel:
                 self._unpacked.append(pickle.loads(self._pickled, buffers=self._buffers))
             return self._unpacked[0]
 
+    def copy(self) -> Any:
+        """Return a copy of the object, which shares no memory with the parcel."""
+        return pickle.loads(self._pickled, buffers=[bytearray(each) for each in self._buffers])
+
     def __sizeof__(self) -> int:
         return len(self._pickled) + sum(memoryview(each).nbytes for each in self._buffers)
 
