@@ -30,12 +30,16 @@ def test_partitions_have_the_chunks_of_the_whole(field, samples) -> None:
         np.testing.assert_array_equal(chunk.stokes_i, expected.stokes_i)
 
 
-def test_the_number_of_samples_sets_the_size_of_partitions(field) -> None:
+def test_partitions_are_equal_and_as_large_as_allowed(field) -> None:
     chunk = field.rows_per_chunk
-    sizes = [part.stop - part.first for part in partitions_of(field, 3 * 4 * chunk + 1)]
-    assert set(sizes[:-1]) == {3 * chunk}
-    assert sum(sizes) == field.rows
+    for samples in (1, 3 * 4 * chunk, 4 * field.rows // 3):
+        sizes = [part.stop - part.first for part in partitions_of(field, samples)]
+        assert sum(sizes) == field.rows
+        assert len(set(sizes[:-1])) == 1
+        assert sizes[0] - sizes[-1] < chunk * len(sizes)
+        assert sizes[0] * 4 < samples + 4 * chunk
     assert len(partitions_of(field, 10**9)) == 1
+    assert partitions_of(field, 10**9)[0].samples == 4 * field.rows
 
 
 def test_a_partition_is_sent_without_its_visibilities(field) -> None:

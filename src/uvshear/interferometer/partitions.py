@@ -1,11 +1,13 @@
 """Partitions of an observation: ranges of rows, each of which a worker reads from the file by itself."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.origin import Origin, origin_of
+from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.visibilities import Observation, Visibilities
 
 
@@ -28,6 +30,10 @@ class HasRows(Observation, Protocol):
         """Number of rows of a chunk."""
         ...
 
+    def check_usable(self, counts: SampleCounts) -> None:
+        """Refuse an observation of which no visibility can be used, given the numbers of all of its samples."""
+        ...
+
     def rows_between(self, first: int, stop: int) -> Iterator[Visibilities]:
         """Read the rows from ``first``, which begins a chunk, up to ``stop``."""
         ...
@@ -46,6 +52,11 @@ class RowRange:
         """Direction of l = m = 0."""
         return self.whole.phase_centre
 
+    @property
+    def samples(self) -> int:
+        """Number of samples, with or without weight."""
+        return (self.stop - self.first) * self.whole.samples_per_row
+
     def origin(self) -> Origin:
         """Return the origin of the whole observation."""
         return origin_of(self.whole)
@@ -58,8 +69,9 @@ class RowRange:
 
 
 def partitions_of(observation: HasRows, samples: int) -> Sequence[RowRange]:
-    """Divide an observation into ranges of whole chunks, with about this number of samples in each."""
+    """Divide an observation into ranges of whole chunks, as equal as can be, with at most about this many samples."""
     chunk = observation.rows_per_chunk
-    rows = max(1, samples // max(1, observation.samples_per_row * chunk)) * chunk
+    count = max(1, math.ceil(observation.rows * observation.samples_per_row / samples))
+    rows = max(1, math.ceil(observation.rows / (count * chunk))) * chunk
     firsts = range(0, max(1, observation.rows), rows)
     return [RowRange(observation, k, min(k + rows, observation.rows)) for k in firsts]

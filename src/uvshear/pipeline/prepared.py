@@ -12,6 +12,7 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue
 from uvshear.pipeline.data_checks import DataChecks
 from uvshear.pipeline.field import field_of_catalogue
+from uvshear.predict.gridded import Gridding
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,8 @@ class Prepared:
     ) -> Self:
         """Read an observation once, and place the sources."""
         model, method, executor = options.model, options.method, options.resources.executor
-        held = held_by_parts(observation, HELD_PART * options.resources.memory)
+        block = Gridding().block
+        held = held_by_parts(observation, HELD_PART * options.resources.memory, block)
         first = first_pass(held, executor)
         field = field_of_catalogue(sources, observation.phase_centre, first.summary, model, method)
         field = method.extraction.within_reach(field)

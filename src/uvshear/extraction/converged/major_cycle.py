@@ -6,9 +6,10 @@ the next finer band, and facets are cut out of the finest. Images are discarded 
 facets are added up.
 """
 
+import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Self
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from uvshear.extraction.converged.residual_tiles import (
 from uvshear.extraction.converged.tile_filters import filters_of_plan
 from uvshear.imaging.uv_order import uv_order
 from uvshear.interferometer.accumulate import accumulate
+from uvshear.interferometer.held_observation import blocks_of
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.blocks import BlockAccumulator
@@ -67,6 +69,90 @@ class MajorCycle:
     residuals: Facets
 
 
+@dataclass(frozen=True)
+class CycleSums:
+    """Sums over some of the visibilities: facets, and the beams in the first cycle."""
+
+    facets: Facets
+    beams: Beams | None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Send all facets as one array."""
+        lengths = [len(facet) for facet in self.facets]
+        everything = np.concatenate(self.facets) if lengths else np.zeros(0, np.complex64)
+        return CycleSums.from_joined, (everything, lengths, self.beams)
+
+    @classmethod
+    def from_joined(
+        cls, everything: Complex[Array, " cell"], lengths: Sequence[int], beams: Beams | None
+    ) -> Self:
+        """Divide an array into facets with these numbers of cells."""
+        edges = np.cumsum(lengths)[:-1]
+        return cls(tuple(np.split(everything, edges)) if lengths else (), beams)
+
+    def add(self, later: Self) -> Self:
+        """Add sums over later visibilities."""
+        for facet, more in zip(self.facets, later.facets, strict=True):
+            np.add(facet, more, out=facet)
+        if self.beams is not None and later.beams is not None:
+            self.beams.add(later.beams)
+        return self
+
+
+@dataclass(frozen=True)
+class CyclePass:
+    """What a pass over the visibilities gathers; in another process it reports no work.
+
+    Parameters
+    ----------
+    plan
+        Bands, tiles and cutouts.
+    sky
+        The models to be subtracted.
+    gridding
+        Accuracy and resources.
+    beam_plan
+        Beams to be gathered; None if they are known.
+    on_work
+        Function called after each tile or beam.
+    """
+
+    plan: MajorCyclePlan
+    sky: ModelledSky
+    gridding: Gridding
+    beam_plan: BeamPlan | None = None
+    on_work: OnWork | None = None
+
+    def __getstate__(self) -> dict[str, object]:
+        """Leave out the function that is called in this process."""
+        return {**self.__dict__, "on_work": None}
+
+    def over(self, observation: Observation) -> CycleSums:
+        """Gather from all visibilities.
+
+        Blocks of an observation in files are ranges of rows. The workers of a cluster read, subtract and image them;
+        otherwise they follow one another. Blocks of other observations are filled with samples as they come.
+        """
+        gridding = self.gridding
+        blocks = blocks_of(observation, gridding.block)
+        if blocks is None or len(blocks) == 1:
+            return self.sums(observation)
+        # A range of rows is one block, even where it is a little longer than others.
+        in_one = replace(self, gridding=replace(gridding, block=sys.maxsize))
+        return gridding.executor.sum_partitions(CyclePass.sums, CycleSums.add, in_one, blocks)
+
+    def sums(self, observation: Observation) -> CycleSums:
+        """Gather in this process."""
+        residuals = ResidualAccumulator(self.plan, self.sky, self.gridding, self.on_work)
+        if self.beam_plan is None:
+            (facets,) = accumulate(observation, [residuals])
+            return CycleSums(facets, None)
+        response = self.sky.response
+        gathered = BeamAccumulator(self.beam_plan, response, self.gridding, self.on_work)
+        beams, facets = accumulate(observation, [gathered, residuals])
+        return CycleSums(facets, beams)
+
+
 def first_major_cycle(
     observation: Observation,
     plan: MajorCyclePlan,
@@ -76,14 +162,9 @@ def first_major_cycle(
     on_work: OnWork | None = None,
 ) -> MajorCycle:
     """Read the visibilities once, for the beams and for the residual facets."""
-    beams, residuals = accumulate(
-        observation,
-        [
-            BeamAccumulator(beam_plan, sky.response, gridding, on_work),
-            ResidualAccumulator(plan, sky, gridding, on_work),
-        ],
-    )
-    return MajorCycle(plan, beams, residuals)
+    sums = CyclePass(plan, sky, gridding, beam_plan, on_work).over(observation)
+    assert sums.beams is not None
+    return MajorCycle(plan, sums.beams, sums.facets)
 
 
 def next_major_cycle(
@@ -95,9 +176,8 @@ def next_major_cycle(
     on_work: OnWork | None = None,
 ) -> MajorCycle:
     """Read the visibilities once, for the residual facets; the beams are known."""
-    accumulator = ResidualAccumulator(plan, sky, gridding, on_work)
-    (residuals,) = accumulate(observation, [accumulator])
-    return MajorCycle(plan, beams, residuals)
+    sums = CyclePass(plan, sky, gridding, None, on_work).over(observation)
+    return MajorCycle(plan, beams, sums.facets)
 
 
 def gather_residuals(

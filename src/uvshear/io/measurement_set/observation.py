@@ -12,12 +12,14 @@ from casacore import tables
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.origin import Origin
+from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.visibilities import Integrations, Visibilities
 from uvshear.io.correlated_rows import (
     BYTES_PER_ROW,
     BYTES_PER_SAMPLE,
     CorrelatedRows,
+    check_usable,
     hands_slice,
     usable_chunks,
 )
@@ -143,6 +145,10 @@ class MeasurementSet:
                 for description, rows in reader.split(start, count):
                     empty.check(path, rows)
                     yield reader.read(description, rows)
+
+    def check_usable(self, counts: SampleCounts) -> None:
+        """Refuse a set of which no visibility can be used, given the numbers of all of its samples."""
+        check_usable(Path(self.path), counts, self.scans)
 
     @property
     def rows(self) -> int:
