@@ -5,9 +5,9 @@
 
 The duration of every task is recorded, and the size of what would be sent: the object that a call shares, and the
 results. The schedule is then simulated. Tasks of ``distribute`` go to the workers of the cluster; ``map`` and crews,
-that is, major and minor cycles, have the cores of the client's machine. A second schedule lets the workers do these
-tasks as well, each call of them as a call of ``distribute``: it is a bound for what their distribution can gain, since
-samples and images would have to be sent, too. Memory bandwidth is neglected.
+that is, minor cycles and the major cycles of a single block, have the cores of the client's machine. A second schedule
+lets the workers do these tasks as well, each call of them as a call of ``distribute``: it is a bound for what their
+distribution can gain, since samples and images would have to be sent, too. Memory bandwidth is neglected.
 """
 
 import argparse
