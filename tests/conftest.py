@@ -6,13 +6,15 @@
 
 import importlib.util
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 import jaxtyping
 import pytest
 from threadpoolctl import threadpool_limits
 
+from tests.clusters import Cluster, cluster
 from tests.runtime_types import beartype_what_is_knowable
 
 os.environ.setdefault("MPLBACKEND", "Agg")
@@ -50,6 +52,22 @@ def _one_thread_for_linear_algebra():
 def _copies_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let copies do the work of tests, which this process would often end before it makes any."""
     monkeypatch.setattr("uvshear.execution.copied_crew.WORTH_COPIES", 0.0)
+
+
+@pytest.fixture(scope="session")
+def two_workers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
+    """A cluster whose workers no test may end."""
+    with cluster(tmp_path_factory.mktemp("cluster")) as found:
+        yield found
+
+
+@pytest.fixture(scope="session")
+def client(two_workers: Cluster) -> Iterator[Any]:
+    """Return a client of the cluster whose workers no test may end."""
+    from uvshear.execution import connected
+
+    with connected(two_workers.address) as found:
+        yield found
 
 
 SLOW_TESTS = Path(__file__).parent / "slow_tests.txt"

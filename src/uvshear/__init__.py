@@ -30,7 +30,7 @@ Algorithm: ``Method``
     ``ConvergedExtraction`` or ``PaperExtraction``, a ``UvRange``, and weightings: ``Uniform``, ``Briggs``,
     ``GaussianTaper``, ``TukeyTaper`` and ``RoundPsf``.
 Cores and memory: ``Resources``
-    The executor is ``Serial``, ``Copies``, ``Threads`` or ``Processes``.
+    The executor is ``Serial``, ``Copies``, ``Threads``, ``Processes`` or ``Dask``.
 Progress
     The argument ``progress`` of long work takes a function, or an ``Observer`` that is told of each ``Stage``; a
     ``Course`` is an observer that knows the time that is left.
@@ -86,6 +86,7 @@ if TYPE_CHECKING:
     )
     from uvshear.execution import (
         Copies,
+        Dask,
         Executor,
         Processes,
         Resources,
@@ -182,7 +183,7 @@ _HOMES = {
     "estimators": (
         "Bayesian Bias Estimator Mean Metacal Moments Sample ShearEstimate Terms UnlensedPopulation"
     ),
-    "execution": "Copies Executor Processes Resources Serial Threads",
+    "execution": "Copies Dask Executor Processes Resources Serial Threads",
     "extraction": "ConvergedExtraction Extraction Method Model PaperExtraction",
     "galaxy": (
         "CatalogueSize DiscBulge DiscEllipticityPrior EllipticityPrior Exponential "
@@ -246,6 +247,7 @@ __all__ = [
     "CosineCubedBeam",
     "CosineTaperBeam",
     "Course",
+    "Dask",
     "DataWarning",
     "DiscBulge",
     "DiscEllipticityPrior",

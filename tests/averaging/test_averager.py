@@ -1,6 +1,7 @@
 """Averages over cells against sums in plain Python."""
 
 import math
+import pickle
 from collections import defaultdict
 from dataclasses import replace
 from itertools import pairwise
@@ -152,12 +153,28 @@ def test_parts_that_are_merged_are_the_whole() -> None:
     )
     first.add([seen.of_rows(slice(9000))], ALIKE)
     later.add([seen.of_rows(slice(9000, None))], ALIKE)
-    first.merge(later)
+    first.merge(pickle.loads(pickle.dumps(later.sums())))
     assert first.finish() == np.count_nonzero(seen.weights)
     for (group, averages), (group_too, others) in zip(found, whole, strict=True):
         assert group == group_too
         np.testing.assert_allclose(averages.weights, others.weights, rtol=1e-12)
         np.testing.assert_allclose(averages.uvw, others.uvw, rtol=0, atol=1e-8)
+
+
+def test_parts_that_are_merged_in_little_memory_make_more_rows_and_lose_nothing() -> None:
+    seen = _seen(20_000)
+    found: list = []
+    boundless, little = Resources(SERIAL, math.inf), Resources(SERIAL, 3e6)
+    total = Averager(CELLS, lambda *one: found.append(one), little)
+    for first in range(0, len(seen), 4000):
+        part = Averager(CELLS, lambda *one: found.append(one), boundless)
+        part.add([seen.of_rows(slice(first, first + 4000))], ALIKE)
+        total.merge(part.sums())
+    assert total.finish() == np.count_nonzero(seen.weights)
+    whole, _ = _averaged([seen])
+    assert len(found) > len(whole)
+    weight, expected = (sum(a.weights.sum() for _, a in rows) for rows in (found, whole))
+    assert weight == pytest.approx(expected, rel=1e-6)
 
 
 def test_pairs_of_different_dishes_are_averaged_apart() -> None:

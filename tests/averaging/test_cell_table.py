@@ -1,5 +1,7 @@
 """Tables of cells; their sums are tested through the averager."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -40,6 +42,28 @@ def test_a_full_table_says_where_to_go_on() -> None:
     averages = table.taken()
     np.testing.assert_allclose(averages.uvw, seen.uvw, rtol=0, atol=1e-9)
     assert len(table) == 0
+
+
+def test_a_table_that_was_sent_has_its_cells_and_takes_others() -> None:
+    table, seen = CellTable(CELLS, BAND), _seen(_far_apart(50))
+    table.add(seen, 0)
+    message = pickle.dumps(table)
+    assert len(message) < 150 * 50 + 1000  # no memory that holds no cell
+    sent, twice = pickle.loads(message), pickle.loads(message)
+    sent.add_cells(pickle.loads(message))
+    assert len(sent) == 50
+    averages = sent.taken()
+    np.testing.assert_allclose(averages.uvw, seen.uvw, rtol=0, atol=1e-9)
+    np.testing.assert_array_equal(averages.weights, 2.0)
+    np.testing.assert_array_equal(twice.taken().weights, 1.0)
+
+
+def test_a_table_foresees_how_much_it_will_grow() -> None:
+    table = CellTable(CELLS, BAND)
+    table.add(_seen(_far_apart(SMALLEST - 2)), 0)
+    assert table.room_with(2) == SMALLEST
+    assert table.room_with(3) == 2 * SMALLEST
+    assert len(table) == SMALLEST - 2
 
 
 def test_a_table_that_was_emptied_can_be_used_again() -> None:

@@ -22,6 +22,21 @@ def own_sum(shared: np.ndarray, task: int) -> float:
     return float(np.sum(np.sin(shared * task)))
 
 
+def waves(shared: np.ndarray, task: int) -> np.ndarray:
+    return np.sin(shared * (task + 1))
+
+
+def slow_waves(shared: np.ndarray, task: int) -> np.ndarray:
+    time.sleep(0.05)
+    return waves(shared, task)
+
+
+def added(total: np.ndarray, more: np.ndarray) -> np.ndarray:
+    """Add in place, as sums of large arrays are added."""
+    total += more
+    return total
+
+
 def process(_: object, task: int) -> int:
     return os.getpid()
 

@@ -1,15 +1,28 @@
 """Observations that are read once."""
 
+import pickle
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
+import pytest
 
+from tests.io.measurement_sets import written
 from tests.skies import L_BAND, random_baselines
+from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
-from uvshear.interferometer.held_observation import HeldObservation, held_by_parts, release
+from uvshear.interferometer.held_observation import (
+    HeldObservation,
+    blocks_of,
+    held,
+    held_by_parts,
+    release,
+)
 from uvshear.interferometer.joint_observation import JointObservation
 from uvshear.interferometer.origin import Origin, origin_of, parts_of
+from uvshear.interferometer.screening import screened_chunks
 from uvshear.interferometer.visibilities import Visibilities
+from uvshear.io.measurement_set.observation import MeasurementSet
 
 ROWS = 20
 
@@ -89,3 +102,64 @@ def test_a_single_part_is_held_as_it_is():
     assert len(list(held.chunks())) == len(list(held.chunks())) == 3
     assert observation.readings == 1
     assert origin_of(held).name == "counted"
+
+
+@pytest.fixture(scope="module")
+def in_file(tmp_path_factory):
+    """A set of 1680 rows in 20 chunks."""
+    return MeasurementSet(written(tmp_path_factory.mktemp("held")), memory=2**15)
+
+
+def test_a_file_is_held_range_by_range(in_file, monkeypatch):
+    held_ranges = held_by_parts(in_file, 1e9, samples=2000)
+    assert len(held_ranges.partitions) == 4
+    first = list(held_ranges.chunks())
+    monkeypatch.setattr(MeasurementSet, "rows_between", None)  # nothing is read again
+    assert [id(chunk) for chunk in held_ranges.chunks()] == [id(chunk) for chunk in first]
+    whole = list(screened_chunks(in_file))
+    for chunk, expected in zip(first, whole, strict=True):
+        np.testing.assert_array_equal(chunk.stokes_i, expected.stokes_i)
+    release(held_ranges)
+    with pytest.raises(TypeError):
+        list(held_ranges.chunks())
+
+
+def test_what_is_held_is_not_sent_with_it(in_file):
+    held_ranges = held_by_parts(in_file, 1e9, samples=2000)
+    first = list(held_ranges.chunks())
+    message = pickle.dumps(blocks_of(held_ranges, 2000))
+    assert len(message) < 20_000
+    again = [chunk for block in pickle.loads(message) for chunk in block.chunks()]
+    for chunk, expected in zip(again, first, strict=True):
+        np.testing.assert_array_equal(chunk.stokes_i, expected.stokes_i)
+
+
+def test_blocks_are_made_of_as_many_ranges_as_fit(in_file):
+    both = JointObservation(in_file.phase_centre, (in_file, in_file))
+    for samples, count in ((2000, 8), (4500, 4), (8000, 2), (10**6, 1)):
+        blocks = blocks_of(held_by_parts(both, 1e9, samples=2000), samples)
+        assert len(blocks) == count
+        total = sum(len(chunk) for block in blocks for chunk in block.chunks())
+        assert total == 2 * 1680
+
+
+def test_what_is_not_in_a_file_has_no_such_blocks(in_file):
+    observation = Counting()
+    as_it_is = held_by_parts(observation, 1e6, samples=10)
+    assert isinstance(as_it_is, HeldObservation)
+    assert blocks_of(as_it_is, 10) is None
+    assert isinstance(held(observation, 1e6), HeldObservation)
+    ranges = held_by_parts(in_file, 1e6, samples=10**6)
+    assert held(ranges, 1e6) is ranges
+
+
+def test_a_file_without_a_usable_visibility_is_refused_in_ranges_too(in_file, monkeypatch):
+    def flagged(observation, first, stop):
+        for seen in chunks(observation, first, stop):
+            nothing = replace(seen.counts, usable=0, flagged=seen.counts.samples)
+            yield replace(seen, weights=0 * seen.weights, counts=nothing)
+
+    chunks = MeasurementSet.rows_between
+    monkeypatch.setattr(MeasurementSet, "rows_between", flagged)
+    with pytest.raises(InputError, match="all visibilities are flagged"):
+        list(held_by_parts(in_file, 1e9, samples=2000).chunks())

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Self, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -21,6 +21,22 @@ class Group:
 
     band: SubBand
     pair: int
+
+
+@dataclass(frozen=True)
+class PartialSums:
+    """Sums over a part of the visibilities, which can be sent to another process.
+
+    Parameters
+    ----------
+    samples
+        Number of samples with weight.
+    tables
+        Table of each group.
+    """
+
+    samples: int
+    tables: dict[Group, CellTable]
 
 
 Sink: TypeAlias = Callable[[Group, Averages], None]
@@ -63,11 +79,25 @@ class Averager:
             for averages in full:
                 self._sink(group, averages)
 
-    def merge(self, later: Self) -> None:
-        """Add the sums over later visibilities."""
-        self._samples += later._samples
-        for group, table in later._tables.items():
-            self._tables.setdefault(group, CellTable(self._cells, group.band)).add_cells(table)
+    def pass_on(self, group: Group, averages: Averages) -> None:
+        """Pass averages on that are complete."""
+        self._sink(group, averages)
+
+    def sums(self) -> "PartialSums":
+        """Return all sums that have not been passed on; the averager is not used any more."""
+        return PartialSums(self._samples, self._tables)
+
+    def merge(self, later: "PartialSums") -> None:
+        """Add the sums over later visibilities, which are not used elsewhere any more."""
+        self._samples += later.samples
+        for group, table in later.tables.items():
+            if (own := self._tables.get(group)) is None:
+                self._tables[group] = table
+                continue
+            # While a table grows, its old memory is still in use.
+            if 3 * own.room_with(len(table)) > self._most / len(self._tables) and len(own):
+                self._sink(group, own.taken())
+            own.add_cells(table)
 
     def finish(self) -> int:
         """Pass all remaining averages on, and return the number of samples that all averages are made of."""

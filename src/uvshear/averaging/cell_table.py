@@ -1,7 +1,7 @@
 """Sums over the samples in each cell of (u, v, w), and the averages that they give."""
 
 from dataclasses import dataclass
-from typing import Final, Self
+from typing import Final, Self, TypeAlias
 
 import numpy as np
 
@@ -83,6 +83,10 @@ class RowsToAverage:
         return len(self.seen)
 
 
+_State: TypeAlias = tuple[SubBand, Array, Array, Array]
+"""A table on its way to another process: its sub-band, the sizes of its cells, their keys and their sums."""
+
+
 class CellTable:
     """Sums over the samples of a sub-band, cell by cell.
 
@@ -94,10 +98,24 @@ class CellTable:
         The sub-band.
     """
 
+    _keys: Int[Array, " cell"]
+    _sums: Float[Array, "cell sum"]
+    _places: Int[Array, " hash"]
+
     def __init__(self, cells: Cells, band: SubBand) -> None:
         self._band, self._count = band, 0
         self._size = np.array([cells.uv, cells.w]) * band.metres
         self._reset(SMALLEST)
+
+    def __getstate__(self) -> _State:
+        """Leave out the memory that holds no cell, and the hashes."""
+        return self._band, self._size, self._keys[: self._count], self._sums[: self._count]
+
+    def __setstate__(self, state: _State) -> None:
+        """Take over cells; hashes are worked out when others are added to them."""
+        self._band, self._size, keys, sums = state
+        self._keys, self._sums = keys, sums
+        self._count, self._places = len(self._keys), np.empty(0, np.int32)
 
     def __len__(self) -> int:
         return self._count
@@ -134,7 +152,9 @@ class CellTable:
         return int(row)
 
     def add_cells(self, other: Self) -> None:
-        """Add the sums of another table of the same cells."""
+        """Add the sums of another table of the same cells, for which there must be room (:meth:`room_with`)."""
+        if not len(self._places):
+            self._resize(self.room_with(0))
         while self._count + len(other) > self.room:
             self.grow()
         self._count = kernels.add_cells(
@@ -146,10 +166,20 @@ class CellTable:
             self._count,
         )
 
+    def room_with(self, more: int) -> int:
+        """Return the number of cells for which there is memory once this number of cells has been added."""
+        room = SMALLEST
+        while room < self._count + more:
+            room *= 2
+        return max(room, self.room)
+
     def grow(self) -> None:
         """Take twice as much memory."""
+        self._resize(2 * self.room)
+
+    def _resize(self, room: int) -> None:
         keys, sums, count = self._keys, self._sums, self._count
-        self._reset(2 * len(keys))
+        self._reset(room)
         self._keys[:count], self._sums[:count] = keys[:count], sums[:count]
         self._count = count
         kernels.rehash(self._keys, count, self._places)
@@ -181,9 +211,9 @@ class CellTable:
 
     def _reset(self, room: int) -> None:
         self._count = 0
-        self._keys: Int[Array, " cell"] = np.empty(room, np.int64)
-        self._sums: Float[Array, "cell sum"] = np.empty((room, COLUMNS))
-        self._places: Int[Array, " hash"] = np.full(2 * room, -1, np.int32)
+        self._keys = np.empty(room, np.int64)
+        self._sums = np.empty((room, COLUMNS))
+        self._places = np.full(2 * room, -1, np.int32)
 
     def _check(self, seen: Visibilities, first: int) -> None:
         if first:

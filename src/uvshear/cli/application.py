@@ -26,7 +26,7 @@ from uvshear.cli.standard_streams import (
     standard_streams,
 )
 from uvshear.errors import InputError
-from uvshear.execution import start_libraries_with_one_thread
+from uvshear.execution import ClusterLost, start_libraries_with_one_thread
 from uvshear.io.unfinished import remove_unfinished
 
 WRONG_INPUT: Final = 2
@@ -256,6 +256,8 @@ def _explain(error: BaseException) -> str | None:
             f"not enough memory ({error}); lower --memory-gb or --threads, or average the data or select fewer scans"
             " first"
         )
+    elif isinstance(error, ClusterLost):
+        message = str(error)
     elif isinstance(error, BrokenExecutor):
         message = (
             "a worker process ended before its work was done; it may have been killed for lack of memory, of which"

@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from uvshear.cli.clusters import SchedulerOption, executor_of
 from uvshear.cli.options import Overwrite, Threads, output_option, positive
 from uvshear.cli.outputs import reserve
 from uvshear.cli.panels import METHOD, RESOURCES, GroupedCommand
@@ -68,6 +69,7 @@ def average(
     log: LogOption = None,
     overwrite: Overwrite = False,
     threads: Threads = 0,
+    scheduler: SchedulerOption = None,
     memory_gb: Annotated[
         float | None,
         typer.Option(
@@ -95,7 +97,7 @@ def average(
     check_measurement_set_output(output, overwrite=overwrite)
     outputs = [output, *checked_log(log, overwrite=overwrite)]
     reserve(context, outputs, measurement_sets)
-    executor = in_threads(threads)
+    executor = executor_of(context, scheduler, in_threads(threads))
     resources = Resources(executor) if memory_gb is None else Resources(executor, memory_gb * 1e9)
     reading = reading_of(column, field, scans, conjugates=conjugate, subtracted=subtract)
     observation = open_observation(measurement_sets, reading)

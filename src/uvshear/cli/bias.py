@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from uvshear.cli.clusters import SchedulerOption, executor_of
 from uvshear.cli.estimators import NAMES, PAPER, PRIOR_METAVAR, estimator_named
 from uvshear.cli.extractions import FacetName
 from uvshear.cli.options import (
@@ -244,6 +245,7 @@ def bias(
     ] = (10.0, 10.0),
     seed: Seed = 1,
     threads: Threads = 0,
+    scheduler: SchedulerOption = None,
     log: LogOption = None,
     overwrite: Overwrite = False,
 ) -> None:
@@ -304,6 +306,7 @@ def bias(
         has_rings=rings,
         averages_cells=is_averaged,
     )
+    executor = executor_of(context, scheduler, in_processes(threads))
     logged = begin_log(context, log, [], overwrite=overwrite)
     with progress_report("simulating and measuring", logged) as progress:
         found = estimate_bias(
@@ -313,7 +316,7 @@ def bias(
             seed=seed,
             survey=survey,
             density=density,
-            resources=Resources(in_processes(threads)),
+            resources=Resources(executor),
             progress=progress,
         )
     write_bias(output, found, provenance(context), overwrite=overwrite)

@@ -10,6 +10,7 @@ import typer
 
 from uvshear.cli.beams import NONE, PrimaryBeamOption, beam_of_observation
 from uvshear.cli.catalogues import ColumnMapOption, FluxUnitOption, catalogue_of_options, file_of
+from uvshear.cli.clusters import SchedulerOption, executor_of
 from uvshear.cli.convergence import tell_convergence
 from uvshear.cli.extractions import CONVERGED, ExtractionChoice, FacetName
 from uvshear.cli.missing_statistics import tell_missing_statistics
@@ -257,6 +258,7 @@ def measure(
         ),
     ] = False,
     threads: Threads = 0,
+    scheduler: SchedulerOption = None,
     memory_gb: Annotated[
         float | None,
         typer.Option(
@@ -303,7 +305,7 @@ def measure(
         uv_range=uv_range,
         weightings=weights.weightings(uv_min or 0.0, uv_max),
     )
-    executor = in_copies(threads)
+    executor = executor_of(context, scheduler, in_copies(threads))
     resources = Resources(executor) if memory_gb is None else Resources(executor, memory_gb * 1e9)
     # Options that cannot be combined are refused before anything is read.
     MeasurementOptions(method=method, resources=resources, keep=kept)

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 Pair = tuple[float, float]
 
 NO_PART_OF_THE_RESULT = frozenset(
-    {"threads", "overwrite", "output", "residual_image", "log", "resume"}
+    {"threads", "scheduler", "overwrite", "output", "residual_image", "log", "resume"}
 )
 """Options that do not change the result, which provenance leaves out."""
 

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 from uvshear.execution.crew import Crew, LocalCrew, Result, Shared, Task
+from uvshear.execution.tree import tree_sum
 
 
 class Executor(ABC):
@@ -20,7 +21,12 @@ class Executor(ABC):
     @property
     @abstractmethod
     def workers(self) -> int:
-        """Number of tasks that run at the same time."""
+        """Number of tasks that run at the same time on this machine."""
+
+    @property
+    def distributed_workers(self) -> int:
+        """Number of tasks of :meth:`distribute` that run at the same time, on whatever machines."""
+        return self.workers
 
     @abstractmethod
     def at_most(self, workers: int) -> "Executor":
@@ -56,6 +62,34 @@ class Executor(ABC):
         ``function`` is defined at the top level of a module, so that it can be pickled. ``shared`` is sent to each
         worker once. Tasks and results are picklable.
         """
+
+    def in_partitions(
+        self,
+        function: Callable[[Shared, Task], Result],
+        shared: Shared,
+        partitions: Iterable[Task],
+    ) -> Iterator[Result]:
+        """Yield ``function(shared, partition)`` for every partition of data that each worker can read by itself.
+
+        Unless a subclass overrides this method, one partition follows the other in this process, and it is for the
+        function to occupy the workers of this executor. On a cluster each partition occupies one worker. ``function``
+        is defined at the top level of a module. ``shared``, which may contain this executor, partitions and results are
+        picklable.
+        """
+        return (function(shared, partition) for partition in partitions)
+
+    def sum_partitions(
+        self,
+        function: Callable[[Shared, Task], Result],
+        add: Callable[[Result, Result], Result],
+        shared: Shared,
+        partitions: Iterable[Task],
+    ) -> Result:
+        """Add up the results of :meth:`in_partitions` for one or more partitions, in the order of ``tree_sum``.
+
+        ``add(total, more)`` may change the total and return it. On a cluster the workers add, and send only the sum.
+        """
+        return tree_sum(self.in_partitions(function, shared, partitions), add)
 
     def crew(self, shared: Shared) -> AbstractContextManager[Crew[Shared]]:
         """Return workers that hold an object and are told how it changes.

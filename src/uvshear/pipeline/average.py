@@ -1,6 +1,5 @@
 """The averages of an observation over cells of (u, v, w), in a Measurement Set that is measured like any other."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +8,7 @@ import numpy as np
 from uvshear.averaging.averager import Averager
 from uvshear.averaging.cells import ACCURACY, Cells
 from uvshear.averaging.dish_pairs import DishPairs
+from uvshear.averaging.in_partitions import add_in_partitions, samples_to_average
 from uvshear.constants import ARCMIN
 from uvshear.errors import InputError
 from uvshear.execution import Resources
@@ -17,7 +17,8 @@ from uvshear.interferometer.counted import counted
 from uvshear.interferometer.dishes import HasDishes, dish_diameters, pointing_of
 from uvshear.interferometer.expected_samples import expected_samples
 from uvshear.interferometer.origin import origin_of, parts_of
-from uvshear.interferometer.visibilities import Observation, Visibilities
+from uvshear.interferometer.partitions import HasRows
+from uvshear.interferometer.visibilities import Observation
 from uvshear.io.measurement_set.averages_writer import AveragedField, new_averages
 from uvshear.pipeline.observation import ObservationLike, observation_of
 from uvshear.progress import Meter, Progress, Stage
@@ -76,8 +77,13 @@ def average(
     about = AveragedField(observation.phase_centre, _pointing(observation), pairs[0], cells)
     with new_averages(Path(output), about, overwrite=overwrite) as writer:
         averager = Averager(cells, writer.add, resources)
-        for part, dishes in zip(parts, pairs, strict=True):
-            averager.add(counted(_samples(part), meter.add), dishes)
+        in_files = [part for part in parts if isinstance(part, HasRows)]
+        if len(in_files) == len(parts):
+            seen = list(zip(in_files, pairs, strict=True))
+            add_in_partitions(averager, seen, cells, resources, meter.add)
+        else:
+            for part, dishes in zip(parts, pairs, strict=True):
+                averager.add(counted(samples_to_average(part), meter.add), dishes)
         meter.begin(Stage("writing"))
         samples = averager.finish()
         if not samples:
@@ -86,15 +92,6 @@ def average(
         meter.finish()
         writer.finish(f"averages over cells of {cells.uv:.4g} x {cells.w:.4g} wavelengths: {names}")
     return Averaged(samples, writer.rows)
-
-
-def _samples(part: Observation) -> Iterator[Visibilities]:
-    for seen in part.chunks():
-        if seen.averages is not None:
-            raise InputError(
-                f"{origin_of(part).name}: holds averages already; average the set that it was made from"
-            )
-        yield seen
 
 
 def _diameters(part: Observation) -> Float[Array, " antenna"]:

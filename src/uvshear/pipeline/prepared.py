@@ -13,6 +13,7 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.io.catalogue import Catalogue
 from uvshear.pipeline.data_checks import DataChecks
 from uvshear.pipeline.field import field_of_catalogue
+from uvshear.predict.gridded import Gridding
 from uvshear.progress import Meter, Progress, Stage
 
 
@@ -59,7 +60,8 @@ class Prepared:
         size = expected_samples(observation)
         meter.begin(Stage("first pass", amount=size, unit="visibilities"))
         model, method, executor = options.model, options.method, options.resources.executor
-        held = held_by_parts(observation, HELD_PART * options.resources.memory)
+        block = Gridding().block
+        held = held_by_parts(observation, HELD_PART * options.resources.memory, block)
         first = first_pass(held, executor, meter.add)
         meter.begin(Stage("preparation"))
         field = field_of_catalogue(sources, observation.phase_centre, first.summary, model, method)

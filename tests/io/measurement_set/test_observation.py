@@ -83,6 +83,15 @@ def test_it_pickles_without_an_open_table(path):
         np.testing.assert_array_equal(one, other)
 
 
+def test_it_is_sent_with_its_whole_path(path, monkeypatch, tmp_path):
+    monkeypatch.chdir(path.parent)
+    message = pickle.dumps(MeasurementSet(path.name))
+    monkeypatch.chdir(tmp_path)
+    received = pickle.loads(message)
+    assert received.path == path
+    assert len(list(received.chunks())) > 0
+
+
 def test_circular_hands_give_the_same(path, tmp_path):
     circular = tmp_path / "circular.ms"
     write_measurement_set(circular, simulated(), hands=Hands.CIRCULAR)

@@ -104,6 +104,11 @@ class Beams:
     wide_pixel: float
     _powers: dict[tuple[int, Cutout], Float[Array, " cell"]] = field(default_factory=dict)
 
+    def add(self, later: Self) -> None:
+        """Add beams of later visibilities, before anything is worked out from them."""
+        self.images[...] += later.images
+        self.wide[...] += later.wide
+
     def power(self, source: int, cutout: Cutout) -> Float[Array, " cell"]:
         """Power of a facet's cells; sources of one size share the powers that are mixed."""
         return self.mixtures[source].mixed(partial(self._power_of_beam, cutout))

@@ -42,7 +42,7 @@ from uvshear.extraction.converged.statistics import keep_statistics
 from uvshear.extraction.converged.workload import Workload
 from uvshear.extraction.extraction import Extracted, Extraction, Setting
 from uvshear.extraction.field import Field
-from uvshear.interferometer.held_observation import HELD_PART, HeldObservation
+from uvshear.interferometer.held_observation import HELD_PART, held
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.gridded import Gridding
@@ -123,7 +123,7 @@ class ConvergedExtraction(Extraction):
             is_galaxy = field.flags[field.modelled] == FitFlag.OK
             baselines = Baselines.from_field(field, is_galaxy, self.shortest, profile)
             baselines = load_baselines(setting.store, baselines)
-            observation = HeldObservation(observation, HELD_PART * setting.resources.memory)
+            observation = held(observation, HELD_PART * setting.resources.memory)
             found = self._extract(observation, field, setting, executor, meter, baselines)
             if found is None:
                 baselines = baselines.without_short_ones()

@@ -6,9 +6,10 @@ the next finer band, and facets are cut out of the finest. Images are discarded 
 facets are added up.
 """
 
+import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Self
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from uvshear.extraction.converged.residual_tiles import (
 from uvshear.extraction.converged.tile_filters import filters_of_plan
 from uvshear.imaging.uv_order import uv_order
 from uvshear.interferometer.accumulate import accumulate
+from uvshear.interferometer.held_observation import blocks_of
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Observation
 from uvshear.predict.blocks import BlockAccumulator
@@ -66,6 +68,103 @@ class MajorCycle:
     residuals: Facets
 
 
+@dataclass(frozen=True)
+class CycleSums:
+    """Sums over some of the visibilities: facets, and the beams in the first cycle."""
+
+    facets: Facets
+    beams: Beams | None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Send all facets as one array."""
+        lengths = [len(facet) for facet in self.facets]
+        everything = np.concatenate(self.facets) if lengths else np.zeros(0, np.complex64)
+        return CycleSums.from_joined, (everything, lengths, self.beams)
+
+    @classmethod
+    def from_joined(
+        cls, everything: Complex[Array, " cell"], lengths: Sequence[int], beams: Beams | None
+    ) -> Self:
+        """Divide an array into facets with these numbers of cells."""
+        edges = np.cumsum(lengths)[:-1]
+        return cls(tuple(np.split(everything, edges)) if lengths else (), beams)
+
+    def add(self, later: Self) -> Self:
+        """Add sums over later visibilities."""
+        for facet, more in zip(self.facets, later.facets, strict=True):
+            np.add(facet, more, out=facet)
+        if self.beams is not None and later.beams is not None:
+            self.beams.add(later.beams)
+        return self
+
+
+@dataclass(frozen=True)
+class CyclePass:
+    """What a pass over the visibilities gathers; in another process it reports no work.
+
+    Parameters
+    ----------
+    plan
+        Bands, tiles and cutouts.
+    sky
+        The models to be subtracted.
+    gridding
+        Accuracy and resources.
+    beam_plan
+        Beams to be gathered; None if they are known.
+    on_samples
+        Function called now and then with the number of samples processed since the last call.
+    share_of_beams
+        Share of the beams in the work, if they are gathered.
+    """
+
+    plan: MajorCyclePlan
+    sky: ModelledSky
+    gridding: Gridding
+    beam_plan: BeamPlan | None = None
+    on_samples: OnSamples | None = None
+    share_of_beams: float = 0.5
+
+    def __getstate__(self) -> dict[str, object]:
+        """Leave out the function that is called in this process."""
+        return {**self.__dict__, "on_samples": None}
+
+    def over(self, observation: Observation) -> CycleSums:
+        """Gather from all visibilities.
+
+        Blocks of an observation in files are ranges of rows. The workers of a cluster read, subtract and image them;
+        otherwise they follow one another. Blocks of other observations are filled with samples as they come.
+        """
+        gridding = self.gridding
+        blocks = blocks_of(observation, gridding.block)
+        if blocks is None or len(blocks) == 1:
+            return self.sums(observation)
+        # A range of rows is one block, even where it is a little longer than others.
+        in_one = replace(self, gridding=replace(gridding, block=sys.maxsize))
+        return gridding.executor.sum_partitions(CyclePass.sums, CycleSums.add, in_one, blocks)
+
+    def sums(self, observation: Observation) -> CycleSums:
+        """Gather in this process."""
+        plan, sky, gridding = self.plan, self.sky, self.gridding
+        if self.beam_plan is None:
+            residuals = ResidualAccumulator(plan, sky, gridding, self.on_samples)
+            (facets,) = accumulate(observation, [residuals])
+            return CycleSums(facets, None)
+        of_beams, of_residuals = (
+            self._counted(self.share_of_beams),
+            self._counted(1 - self.share_of_beams),
+        )
+        residuals = ResidualAccumulator(plan, sky, gridding, of_residuals)
+        gathered = BeamAccumulator(self.beam_plan, sky.response, gridding, of_beams)
+        beams, facets = accumulate(observation, [gathered, residuals])
+        return CycleSums(facets, beams)
+
+    def _counted(self, part: float) -> OnSamples | None:
+        """Return a function that reports this part of the samples."""
+        tell = self.on_samples
+        return tell and (lambda samples: tell(part * samples))
+
+
 def first_major_cycle(
     observation: Observation,
     plan: MajorCyclePlan,
@@ -79,18 +178,10 @@ def first_major_cycle(
 
     ``share_of_beams`` is that part of the work that makes the beams.
     """
-
-    def counted_as(part: float) -> OnSamples | None:
-        return on_samples and (lambda samples: on_samples(part * samples))
-
-    beams, residuals = accumulate(
-        observation,
-        [
-            BeamAccumulator(beam_plan, sky.response, gridding, counted_as(share_of_beams)),
-            ResidualAccumulator(plan, sky, gridding, counted_as(1 - share_of_beams)),
-        ],
-    )
-    return MajorCycle(plan, beams, residuals)
+    gathering = CyclePass(plan, sky, gridding, beam_plan, on_samples, share_of_beams)
+    sums = gathering.over(observation)
+    assert sums.beams is not None
+    return MajorCycle(plan, sums.beams, sums.facets)
 
 
 def next_major_cycle(
@@ -102,9 +193,8 @@ def next_major_cycle(
     on_samples: OnSamples | None = None,
 ) -> MajorCycle:
     """Read the visibilities once, for the residual facets; the beams are known."""
-    accumulator = ResidualAccumulator(plan, sky, gridding, on_samples)
-    (residuals,) = accumulate(observation, [accumulator])
-    return MajorCycle(plan, beams, residuals)
+    sums = CyclePass(plan, sky, gridding, None, on_samples).over(observation)
+    return MajorCycle(plan, beams, sums.facets)
 
 
 def gather_residuals(

@@ -50,7 +50,9 @@ def keep_statistics(
     known = Results() if known is None else known
     workers = min(setting.resources.memory // BYTES_PER_WORKER, executor.workers)
     executor = executor.at_most(int(workers))
-    most = min(MOST_IN_A_PART, math.ceil(len(modelled.galaxies) / (2 * executor.workers)))
+    most = min(
+        MOST_IN_A_PART, math.ceil(len(modelled.galaxies) / (2 * executor.distributed_workers))
+    )
     left = [k for k in modelled.galaxies if k not in known]
     parts = _by_beam(state, left, most)
     for part, found in zip(parts, executor.distribute(_statistics, subject, parts), strict=True):

@@ -12,12 +12,14 @@ from casacore import tables
 from uvshear.errors import InputError
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.origin import Origin
+from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.visibilities import Integrations, Visibilities
 from uvshear.io.correlated_rows import (
     BYTES_PER_ROW,
     BYTES_PER_SAMPLE,
     CorrelatedRows,
+    check_usable,
     hands_slice,
     usable_chunks,
 )
@@ -88,6 +90,10 @@ class MeasurementSet:
             check_subtracted(Path(self.path), self.column, self.subtracted)
         object.__setattr__(self, "header", header)
 
+    def __getstate__(self) -> dict[str, object]:
+        """Give the whole path: a worker may have another working directory."""
+        return {**self.__dict__, "path": Path(self.path).absolute()}
+
     @classmethod
     def from_reading(cls, path: str | Path, reading: Reading) -> Self:
         """Open a set as a reading says."""
@@ -123,15 +129,36 @@ class MeasurementSet:
 
     def unchecked_chunks(self) -> Iterator[Visibilities]:
         """Read everything once, including chunks without a cross-correlation and sets without a usable sample."""
+        return self._chunks_between(0, self.rows)
+
+    def rows_between(self, first: int, stop: int) -> Iterator[Visibilities]:
+        """Read the cross-correlations of the rows from ``first``, which begins a chunk, up to ``stop``."""
+        return (seen for seen in self._chunks_between(first, stop) if len(seen))
+
+    def _chunks_between(self, first: int, stop: int) -> Iterator[Visibilities]:
         path = Path(self.path)
         with open_table(path) as main, casacore_errors(path, "the main table"):
             reader = _Reader(main, self)
             empty = rows_without_value(main, reader.columns)
-            for start in range(0, self.header.rows, self.rows_per_chunk):
-                count = min(self.rows_per_chunk, self.header.rows - start)
+            for start in range(first, stop, self.rows_per_chunk):
+                count = min(self.rows_per_chunk, stop - start)
                 for description, rows in reader.split(start, count):
                     empty.check(path, rows)
                     yield reader.read(description, rows)
+
+    def check_usable(self, counts: SampleCounts) -> None:
+        """Refuse a set of which no visibility can be used, given the numbers of all of its samples."""
+        check_usable(Path(self.path), counts, self.scans)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows of the set, those of other fields included."""
+        return self.header.rows
+
+    @property
+    def samples_per_row(self) -> int:
+        """Largest number of channels of a row."""
+        return max(len(description.channels) for description in self.header.descriptions)
 
     @property
     def rows_per_chunk(self) -> int:
