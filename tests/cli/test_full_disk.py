@@ -60,7 +60,11 @@ def test_shapes_are_written_with_their_statistics_or_not(
     directory = tmp_path / "results"
     directory.mkdir()
     words = f"measure {field} --catalogue {catalogue} --keep moments,bayesian --threads 1 -o s.fits"
-    assert "cannot be written" in _refused(words, directory, limit)
+    line = _refused(words, directory, limit)
+    assert "cannot be written" in line
+    assert line.endswith("the state is in s.checkpoint, and --resume goes on from there") == (
+        limit > 4
+    )
     # What the limit left of the state is enough to write the shapes, once there is room.
     stored = {path.name for path in directory.rglob("*.state")}
     assert stored == ({"extraction.extracted.state"} if limit > 4 else set())

@@ -159,8 +159,10 @@ def test_a_wrong_input_leaves_no_empty_checkpoint(directory: Path) -> None:
     _fails(InputError, store, fail)
     assert not directory.exists()
     _fails(InputError, store, fail_late)
-    assert directory.exists()
-    assert checkpoints_left() == []
+    assert checkpoints_left() == [directory]
+    _fails(InputError, store, fail)
+    assert checkpoints_left() == []  # the second one has begun anew
+    assert not directory.exists()
 
 
 def test_a_run_with_nothing_to_resume_says_so(directory: Path) -> None:

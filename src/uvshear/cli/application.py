@@ -186,7 +186,7 @@ def _stop(
 
 
 def _what_is_left() -> str:
-    """Store the state of a measurement that is interrupted, and return what is to be said about it."""
+    """Store the state of a measurement that ends before its time, and return what is to be said about it."""
     # If the module has not been imported, nothing is measured.
     checkpoint = sys.modules.get("uvshear.io.checkpoint")
     left: list[object] = getattr(checkpoint, "checkpoints_left", list)()
@@ -231,7 +231,9 @@ def _outcome(arguments: Sequence[str] | None, output: StandardStream) -> Outcome
 
 def _failure(error: BaseException) -> Outcome:
     message = _explain(error)
-    return Outcome(1, bug=error) if message is None else Outcome(WRONG_INPUT, message)
+    if message is None:
+        return Outcome(1, bug=error)
+    return Outcome(WRONG_INPUT, message + _what_is_left())
 
 
 def _failure_of_output(error: OSError) -> Outcome:

@@ -31,7 +31,7 @@ _STATE: Final = ".state"
 _RESULTS: Final = ".results"
 
 _in_use: list["CheckpointStore"] = []
-"""The stores of this process that are in use."""
+"""The stores of this process that are in use, or that a measurement which has failed has left."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +123,7 @@ class CheckpointStore(StateStore):
             refused.
         """
         self._begin(content)
+        _in_use[:] = [each for each in _in_use if each.directory != self.directory]
         _in_use.append(self)
         try:
             yield
@@ -203,10 +204,8 @@ class CheckpointStore(StateStore):
 
     def give_up(self) -> None:
         """Leave the checkpoint to a run that resumes, or remove it if nothing has been stored in it."""
-        if self in _in_use:
-            _in_use.remove(self)
         if not self._files(_STATE):
-            remove_checkpoint(self.directory)
+            self.remove()
 
     def write_results(self, name: str, number: int, found: Mapping[Hashable, Any]) -> None:
         """Store results under a name and a number."""
@@ -290,10 +289,11 @@ def checkpoint_beside(shapes: Path) -> Path:
 
 
 def checkpoints_left() -> list[Path]:
-    """Store the last results of all measurements of this process, which is about to end, and return where they are."""
-    for store in _in_use:
+    """Store the last results of the measurements of this process, which is about to end, and return where they are."""
+    stores, _in_use[:] = tuple(_in_use), []
+    for store in stores:
         store.save_results()
-    return [store.directory for store in _in_use]
+    return [store.directory for store in stores]
 
 
 def remove_checkpoint(directory: Path) -> None:
