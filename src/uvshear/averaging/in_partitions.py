@@ -44,7 +44,7 @@ def add_in_partitions(
     parts: Sequence[tuple[HasRows, DishPairs]],
     cells: Cells,
     resources: Resources,
-    on_samples: Callable[[float], None],
+    on_samples: Callable[[float], None] | None = None,
 ) -> None:
     """Add all parts of an observation to the averages.
 
@@ -67,7 +67,8 @@ def add_in_partitions(
             averager.pass_on(group, averages)
         averager.merge(sums)
         samples[partition.part] += sums.samples
-        on_samples(partition.rows.samples)
+        if on_samples is not None:
+            on_samples(partition.rows.samples)
     for (part, _), count in zip(parts, samples, strict=True):
         if not count:
             raise InputError(
