@@ -5,9 +5,11 @@ import signal
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from tests.cli.processes import started, wait_for
+from uvshear.io.shapes import read_shapes
 
 SIMULATE = (
     "simulate --declination-deg -30 --hours 1 --integration-s 600 --band-mhz 950 1190"
@@ -69,16 +71,11 @@ def test_a_log_tells_of_every_stage(run: Callable, name: str) -> None:
 def test_a_log_changes_no_other_output(run: Callable) -> None:
     measure = "measure FIELD --catalogue CAT --extraction paper -o s.ecsv"
     assert run(measure).status == 0
-    before = Path("s.ecsv").read_text()
+    before = read_shapes(Path("s.ecsv"))
     assert run(f"{measure} --overwrite --log run.log").status == 0
-    after = Path("s.ecsv").read_text()
-    of_this_run = ("- {date:", "- {run:")
-    first, second = (
-        [line for line in text.splitlines() if not line.startswith(of_this_run, 2)]
-        for text in (before, after)
-    )
-    assert first == second
-    assert len(first) > len(before.splitlines()) - 3
+    after = read_shapes(Path("s.ecsv"))
+    assert after.meta["options"] == before.meta["options"]
+    assert all(np.array_equal(after[name], before[name]) for name in ("e1", "e2", "flux_fit"))
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -139,7 +136,7 @@ def test_a_log_tells_how_far_a_run_came_that_was_ended(
     path = tmp_path / "run.log"
     words = "bias --estimator moments --shear 0.02 --galaxies 100000 --threads 2 -o"
     with started(*words.split(), tmp_path / "bias.json", "--log", path) as running:
-        wait_for(lambda: path.exists() and '"first guess"' in path.read_text())
+        wait_for(lambda: path.exists() and '"preparation"' in path.read_text())
         running.send_signal(number)
         running.communicate(timeout=30)
     found = [json.loads(line) for line in path.read_text().splitlines()]

@@ -37,8 +37,9 @@ def course_after(seconds: float, done: float, amount: float, unit: str = "fits")
     course = Course(clock)
     meter = Meter(course)
     meter.begin(Stage("major cycle 3", 1.0, amount, unit))
-    clock.time = seconds
-    meter.add(done)
+    for part in (0.5, 1.0):
+        clock.time = part * seconds
+        meter.add(done / 2)
     return course
 
 

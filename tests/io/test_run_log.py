@@ -6,9 +6,11 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from uvshear.errors import InputError
+from uvshear.execution.usage import Usage
 from uvshear.io import run_log as module
 from uvshear.io.provenance import Provenance
 from uvshear.io.run_log import RunLog, run_log
@@ -63,6 +65,21 @@ def test_a_run_has_a_line_for_each_stage_and_for_its_end(tmp_path):
     assert end["outcome"] == "finished"
     assert end["seconds"] >= rest["start"] + rest["seconds"] - 0.01
     assert end["peak_memory_bytes"] >= fits["peak_memory_bytes"]
+
+
+def test_memory_that_is_given_back_within_a_stage_counts(tmp_path):
+    path = tmp_path / "run.log"
+    with log_at(path) as log:
+        meter = Meter(log)
+        meter.begin(Stage("large"))
+        usage = Usage.now()
+        size = usage.peak - usage.memory + 2e8
+        np.ones(int(size / 8))
+        meter.begin(Stage("small"))
+    _, large, small, end = lines(path)
+    assert large["peak_memory_bytes"] > usage.peak + 1e8
+    assert small["peak_memory_bytes"] < usage.memory + 1e8
+    assert end["peak_memory_bytes"] == large["peak_memory_bytes"]
 
 
 def test_what_is_known_is_in_the_file_before_the_run_ends(tmp_path):

@@ -44,19 +44,34 @@ def test_the_stage_and_its_rate_are_known(course, clock):
 def test_time_goes_on_between_reports(course, clock):
     meter = Meter(course)
     meter.begin(Stage("first", 1e9, 10.0))
-    clock.time += 4.0
-    meter.add(2)
+    for _ in range(2):
+        clock.time += 2.0
+        meter.add()
     assert course.left == pytest.approx(16.0)
     clock.time += 3.0
     assert course.left == pytest.approx(13.0)
     assert course.share == pytest.approx(7 / 20)
 
 
+def test_what_was_done_lately_tells_the_pace(course, clock):
+    meter = Meter(course)
+    meter.begin(Stage("first", 1e9, 100.0))
+    # The first unit takes long, and each of the others a second.
+    clock.time += 60.0
+    meter.add()
+    assert course.left is None
+    for done in range(2, 51):
+        clock.time += 1.0
+        meter.add()
+        assert course.left == pytest.approx(100 - done)
+
+
 def test_the_share_never_falls(course, clock):
     meter = Meter(course)
     meter.begin(Stage("first", 1e9, 10.0))
-    clock.time += 1.0
-    meter.add(5)
+    for _ in range(2):
+        clock.time += 1.0
+        meter.add(2.5)
     before = course.share
     assert before == pytest.approx(0.5)
     meter.expect(100)
@@ -66,9 +81,10 @@ def test_the_share_never_falls(course, clock):
 
 
 def test_work_without_stages_has_an_end_too(course, clock):
-    clock.time += 2.0
-    course(1, 4)
-    assert course.left == pytest.approx(6.0)
+    for done in (1, 2):
+        clock.time += 2.0
+        course(done, 4)
+    assert course.left == pytest.approx(4.0)
     assert course.stage == ""
 
 

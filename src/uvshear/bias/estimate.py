@@ -20,7 +20,7 @@ from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.catalogue import catalogue_from_galaxies
 from uvshear.pipeline.measure import measure
 from uvshear.pipeline.measurement import Measurement
-from uvshear.progress import Progress
+from uvshear.progress import Meter, Progress, Stage
 from uvshear.simulation.lensing import shear_at_fixed_scale_length
 
 
@@ -65,6 +65,7 @@ def estimate_bias(
     known = survey or Survey.of_the_paper()
     shears = opposite_shears(shear) if isinstance(shear, int | float) else tuple(shear)
     simulation = _simulation(method, known, shears, density, seed)
+    Meter.of_stages(progress).begin(Stage("preparation"))
     if density is None:
         experiment = known.isolated(shears, seed, resources.executor)
         bias = estimate_isolated_bias(experiment, method, galaxies, resources.executor, progress)

@@ -162,8 +162,8 @@ def estimate_isolated_bias(
     is_piloted = estimator.is_expanded and any(shears)
     pilot = min(_pilot(experiment), galaxies) if is_piloted else 0
     meter = Meter(progress)
-    first = Stage("first guess", PILOT_ROUNDS * pilot, PILOT_ROUNDS * pilot, "galaxies", "mocks")
-    main = Stage("galaxies", galaxies, galaxies, "galaxies", "mocks")
+    first = Stage("first guess", PILOT_ROUNDS * pilot, PILOT_ROUNDS * pilot, "galaxies")
+    main = Stage("galaxies", galaxies, galaxies, "galaxies")
     if estimator.is_learning:
         meter.begin(Stage("population"), first, main)
         estimator = _trained(experiment, estimator, galaxies)

@@ -55,6 +55,7 @@ class Bayesian(Estimator):
     )
 
     name = "bayesian"
+    nanoseconds = 22e6
     columns: ClassVar = {
         "lattice": Column(
             "origin of the lattice in (e1, e2, ln(scale length/rad)), and its axes, row by row"

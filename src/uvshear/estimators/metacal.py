@@ -59,6 +59,7 @@ class Metacal(Estimator):
     )
 
     name = "metacal"
+    nanoseconds = 55e6
     columns: ClassVar = {
         "mc1": Column(
             "first number of the wrapped estimator with a round PSF, such as weighted e1"

@@ -28,18 +28,27 @@ class Course(Observer):
         self._running = Running(UNKNOWN, self._start, 0.0, 0.0, self._start)
         self._then: Sequence[Stage] = ()
         self._furthest = 0.0
+        # A report after which as much is to be done as before it.
+        self._mark = 0.0, self._start
 
     def begin(self, stage: Stage, *then: Stage) -> None:
         """Note that a stage begins."""
         now = self._end_stage()
         self._running, self._then = Running(stage, now, 0.0, stage.amount, now), then
+        self._mark = 0.0, now
 
     def advance(self, done: float, expected: float) -> None:
         """Note how far the stage is."""
         running = self._running
         if running.stage is UNKNOWN:
             running = replace(running, stage=Stage("", 1.0))
-        self._running = replace(running, done=done, expected=expected, reported=self._clock())
+        now = self._clock()
+        if done >= 2 * self._mark[0] > 0:
+            running = replace(running, done_before=self._mark[0], reported_before=self._mark[1])
+            self._mark = done, now
+        elif not self._mark[0]:
+            self._mark = done, now
+        self._running = replace(running, done=done, expected=expected, reported=now)
 
     def note(self, facts: Mapping[str, object]) -> None:
         """Do nothing: facts do not tell of the time."""

@@ -17,7 +17,7 @@ from uvshear.progress.stage import Stage
 SEEN, UNSEEN = 0.5, 0.3
 """Part of a stage after which its own pace counts as much as that of earlier stages, of its kind or of other kinds."""
 
-BEFOREHAND = 0.05
+BEFOREHAND = 0.15
 """Part of all work that has to be done before the pace that it shows counts as much as the one known beforehand."""
 
 OVERDUE = 0.1
@@ -47,6 +47,8 @@ class Running:
         Units that are done and that are expected in all, by the last report.
     reported
         Time of the last report [s].
+    done_before, reported_before
+        Units that were done by an earlier report, and its time [s]: since then, half of what is done or more was done.
     """
 
     stage: Stage
@@ -54,6 +56,8 @@ class Running:
     done: float
     expected: float
     reported: float
+    done_before: float = 0.0
+    reported_before: float | None = None
 
     @property
     def cost(self) -> float:
@@ -65,6 +69,13 @@ class Running:
         """The part of it that is done."""
         share = min(self.done / self.expected, 1.0) if self.expected > 0 else 0.0
         return Finished(kind_of(self.stage), share * self.cost, self.reported - self.since)
+
+    @property
+    def lately(self) -> Finished:
+        """The part that was done lately: what comes first in a stage may take longer than the rest."""
+        since = self.since if self.reported_before is None else self.reported_before
+        share = (self.done - self.done_before) / self.expected if self.expected > 0 else 0.0
+        return Finished(kind_of(self.stage), share * self.cost, self.reported - since)
 
 
 def kind_of(stage: Stage) -> str:
@@ -90,27 +101,33 @@ def time_left(
     """
     if running.cost <= 0:
         return None
-    part = running.so_far
-    known = [each for each in (*finished, part) if each.cost > 0]
+    part, lately = running.so_far, running.lately
+    known = [each for each in (*finished, lately) if each.cost > 0]
+    is_first = known == [lately] and running.stage.pace <= 0
+    if is_first and running.reported_before is None:
+        return None  # the first report comes late where something is prepared before
     foreseen = known
     if running.stage.pace > 0:
         to_come = running.cost - part.cost + sum(stage.cost for stage in then)
-        whole = to_come + sum(each.cost for each in known)
+        whole = to_come + part.cost + sum(each.cost for each in finished)
         imagined = BEFOREHAND * whole
         foreseen = [*known, Finished("", imagined, imagined * running.stage.pace)]
     overall = pace(foreseen)
     if overall is None:
         return None
-    before = pace([each for each in finished if each.kind == part.kind])
+    alike = [each for each in finished if each.kind == part.kind and each.cost > 0]
+    before = pace(alike)
     # What the stage has shown counts in proportion to the part of it that is done.
-    weight = running.cost * (UNSEEN if before is None else SEEN)
+    weight = (UNSEEN if before is None else SEEN) * running.cost
+    # What is little known counts little.
+    weight = min(weight, sum(each.cost for each in alike or foreseen))
     expected = overall if before is None else before
-    own = (part.seconds + weight * expected) / (part.cost + weight) if part.cost else expected
+    own = (lately.seconds + weight * expected) / (lately.cost + weight)
     left = (running.cost - part.cost) * own
     left = max(left - (now - running.reported), OVERDUE * left)
     for stage in then:
         seen = pace([each for each in known if each.kind == kind_of(stage)])
-        if kind_of(stage) == part.kind:
+        if kind_of(stage) == part.kind and before is None:
             seen = own
         left += stage.cost * (overall if seen is None else seen)
     return left

@@ -48,6 +48,14 @@ def test_the_first_change_shrinks_faster_than_later_ones():
     assert FORESIGHT.cycles_to_come(history(11.7)) == 2
 
 
+def test_sources_that_do_not_come_to_rest_take_longer():
+    moves = ((6.0, 18.0), (11.0, 13.0), (6.0, 17.0), (9.0, 14.0))
+    # Measured before MeerKAT: nine cycles.
+    restless = history(12.98).with_cycle(np.array([1.41]), moves)
+    assert FORESIGHT.cycles_to_come(restless) == 6
+    assert FORESIGHT.cycles_to_come(history(12.98, 1.41)) == 1
+
+
 def test_no_more_cycles_are_foreseen_than_are_done():
     assert FORESIGHT.cycles_to_come(history(9.0, 10.0)) == 13
     assert Foresight(0.1, 2, 3).cycles_to_come(history(9.0, 8.9)) == 1

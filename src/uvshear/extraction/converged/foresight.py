@@ -5,12 +5,17 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from uvshear.extraction.converged.history import History
+from uvshear.extraction.converged.minor_cycle import MOST_ITERATIONS
 
 FIRST_SHRINKAGE = 0.1
 """Usual factor from the first change of the sky, which begins with the catalogue, to the second one."""
 
 SLOWER = 1.6
 """Ratio of the next factor to this first one. For fields of SKA-Mid and of the VLA (A) it is between 1.6 and 2.6."""
+
+RESTLESS = 0.65
+"""Factor after a minor cycle in which the sources have not come to rest. Before MeerKAT, 360 galaxies in 30 arcmin
+change by 0.6 to 0.8 times the last change from the third major cycle on."""
 
 REMEMBERED = 2
 """Number of the last factors of which the geometric mean is taken to be the next one."""
@@ -58,6 +63,8 @@ class Foresight:
         factors = [after / before for before, after in pairwise(changes)]
         if not factors:
             return FIRST_SHRINKAGE
-        last = factors[1:][-REMEMBERED:] or [SLOWER * factors[0]]
+        is_restless = len(history.moves[-1]) == MOST_ITERATIONS
+        first = max(SLOWER * factors[0], RESTLESS if is_restless else 0.0)
+        last = factors[1:][-REMEMBERED:] or [first]
         mean = math.prod(last) ** (1 / len(last))
         return min(max(mean, LEAST_SHRINKAGE), MOST_SHRINKAGE)

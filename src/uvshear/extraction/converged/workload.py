@@ -18,6 +18,9 @@ from uvshear.shapes.source_facet import Statistic
 MAJOR_CYCLE = 1.15
 """Time of a major cycle over the estimated cost of its images: samples are sorted, and sources drawn."""
 
+DRAWN = 0.3e6
+"""Cost of a source in a major cycle, in which it is drawn and cut out [nanoseconds]."""
+
 FIT = 3.4e6
 """Cost of a fit in a minor cycle, with its share of all that comes between the fits [nanoseconds]."""
 
@@ -27,15 +30,16 @@ POSTERIOR, POSTERIOR_OF_CELL = 6e6, 1.2e3
 STATISTICS = 20e6
 """Cost of the statistics of a source for an estimator that does not state its cost [nanoseconds]."""
 
-GRIDDING_GAIN, FITTING_GAIN, SAMPLING_GAIN = 0.6, 0.7, 0.8
-"""Logarithm of the gain in speed by some workers, over that of their number: in major cycles, in minor cycles, and in
-posteriors and statistics. Two workers measure a field of 12 arcmin with 403 galaxies 1.6 times as fast as one."""
+ROUGH_GAIN, GRIDDING_GAIN, FITTING_GAIN, SAMPLING_GAIN = 0.35, 0.6, 0.7, 0.8
+"""Logarithm of the gain in speed by some workers, over that of their number: in rough and in whole major cycles, in
+minor cycles, and in posteriors and statistics. Two workers measure a field of 12 arcmin with 403 galaxies 1.6 times as
+fast as one; the rough cycles of a small field have few tasks."""
 
 ITERATIONS = (2, 2, 1)
 """Usual numbers of iterations of the first minor cycles; later ones take as many as the last one did."""
 
-FITTED = 0.93
-"""Part of the sources that are fitted in an iteration."""
+FITTED, FITTED_AGAIN = 0.93, 0.25
+"""Part of the sources that are fitted in an iteration, and in the second and later iterations of later cycles."""
 
 RELEASED_FITS = 1.2
 """Number of fits of each source in each minor cycle of the released sky."""
@@ -103,15 +107,15 @@ class Workload:
             samples,
             "visibilities",
             cost / samples,
-            GRIDDING_GAIN,
-            "major cycle",
+            GRIDDING_GAIN if plan.has_all_baselines else ROUGH_GAIN,
+            "major cycle" if plan.has_all_baselines else "rough major cycle",
         )
 
     def _minor_cycle(self, number: int, history: History) -> Stage:
-        iterations = ITERATIONS[min(number, len(ITERATIONS) - 1)]
+        part = ITERATIONS[min(number, len(ITERATIONS) - 1)] * FITTED
         if len(history) >= len(ITERATIONS):
-            iterations = len(history.moves[-1])
-        fits = iterations * FITTED * len(self.planner.modelled.sources)
+            part += FITTED_AGAIN * (len(history.moves[-1]) - 1)
+        fits = part * len(self.planner.modelled.sources)
         name = f"minor cycle {number + 1}"
         return self._stage(name, fits, "fits", FIT, FITTING_GAIN, "minor cycle")
 
@@ -150,4 +154,5 @@ class Workload:
         few = summary.probes.select(slice(FEW_PROBES))
         factors = None if response.is_common(sources) else response.factors(few, sources)
         tasks = tasks_of_bands(plan, factors, few.uvw.astype(float), summary.samples, self.epsilon)
-        return MAJOR_CYCLE * sum(map(sum, tasks[plan.top :]))
+        of_images = sum(map(sum, tasks[plan.top :]))
+        return MAJOR_CYCLE * of_images + DRAWN * len(modelled.sources)
