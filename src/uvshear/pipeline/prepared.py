@@ -60,8 +60,8 @@ class Prepared:
         size = expected_samples(observation)
         meter.begin(Stage("first pass", amount=size, unit="visibilities"))
         model, method, executor = options.model, options.method, options.resources.executor
-        block = Gridding().block
-        held = held_by_parts(observation, HELD_PART * options.resources.memory, block)
+        memory = HELD_PART * options.resources.memory
+        held = held_by_parts(observation, memory, Gridding().rows_block)
         first = first_pass(held, executor, meter.add)
         meter.begin(Stage("preparation"))
         field = field_of_catalogue(sources, observation.phase_centre, first.summary, model, method)

@@ -32,6 +32,7 @@ from uvshear.extraction.converged.plan import FacetRequests, plan_major_cycle
 from uvshear.imaging.tiles import Tiling
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.held_observation import blocks_of, held_by_parts
+from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.screening import screened_chunks
 from uvshear.interferometer.visibilities import VisibilitySet
 from uvshear.io.measurement_set.observation import MeasurementSet
@@ -203,7 +204,13 @@ def test_the_work_reported_is_the_same_whatever_the_threads(one_channel):
         return steps
 
     steps = work(1)
-    assert len(steps) == sum(len(band) for band in one_channel.plan.tiles)
+    # Every tile is predicted and imaged, and in the end all samples have been counted once.
+    assert len(steps) == 2 * sum(len(band) for band in one_channel.plan.tiles)
+    used = sum(
+        len(Samples.from_visibilities(seen, one_channel.plan.shortest, one_channel.plan.longest))
+        for seen in one_channel.observation.chunks()
+    )
+    assert sum(steps) == pytest.approx(used)
     assert work(2) == steps
 
 

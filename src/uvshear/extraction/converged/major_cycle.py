@@ -136,7 +136,7 @@ class CyclePass:
         otherwise they follow one another. Blocks of other observations are filled with samples as they come.
         """
         gridding = self.gridding
-        blocks = blocks_of(observation, gridding.block)
+        blocks = blocks_of(observation, gridding.rows_block)
         if blocks is None or len(blocks) == 1:
             return self.sums(observation)
         # A range of rows is one block, even where it is a little longer than others.
