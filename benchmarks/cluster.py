@@ -6,8 +6,8 @@
 The processor time of every task is recorded, and the size of what would be sent: the object that a call shares, and the
 results. The schedule is then simulated. Tasks of ``distribute`` go to the workers of the cluster; ``map`` and crews,
 that is, minor cycles and the major cycles of a single block, have the cores of the client's machine. A second schedule
-lets the workers do these tasks as well, each call of them as a call of ``distribute``: it is a bound for what their
-distribution can gain, since samples and images would have to be sent, too. Memory bandwidth is neglected.
+lets the workers do these tasks as well, each call of them as a call of ``distribute``; it leaves out the samples and
+images that would have to be sent, too. Memory bandwidth is neglected.
 """
 
 import argparse
@@ -190,9 +190,9 @@ def predicted(calls: Sequence[Call], rest: float) -> dict[str, float]:
             figures[f"{name.replace(' ', '_')}_{workers}_s"] = span
         figures[f"all_{workers}_s"] = total
         figures[f"efficiency_{workers}_percent"] = 100 * alone / (workers * total)
-        bound = rest + sum(_spans(calls, workers, everywhere=True).values())
-        figures[f"bound_{workers}_s"] = bound
-        figures[f"bound_efficiency_{workers}_percent"] = 100 * alone / (workers * bound)
+        moved = rest + sum(_spans(calls, workers, everywhere=True).values())
+        figures[f"everywhere_{workers}_s"] = moved
+        figures[f"everywhere_efficiency_{workers}_percent"] = 100 * alone / (workers * moved)
         rounds = math.ceil(POINTINGS / workers)
         figures[f"pointings_{workers}_h"] = rounds * alone / 3600
         figures[f"pointings_efficiency_{workers}_percent"] = 100 * POINTINGS / (workers * rounds)
