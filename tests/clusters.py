@@ -1,5 +1,6 @@
 """A Dask cluster on the loopback interface: a scheduler and workers, each a process of its own."""
 
+import ctypes
 import json
 import os
 import signal
@@ -77,7 +78,14 @@ def _started(
                 "PYTHONPATH": os.pathsep.join([str(PACKAGE), str(ROOT)]),
                 **environment,
             },
+            # Tests that are killed leave nobody behind.
+            preexec_fn=_end_with_parent,  # noqa: PLW1509
         )
+
+
+def _end_with_parent() -> None:
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
 
 
 def _address(file: Path, scheduler: "subprocess.Popen[bytes]") -> str:
