@@ -78,8 +78,9 @@ def _started(
                 "PYTHONPATH": os.pathsep.join([str(PACKAGE), str(ROOT)]),
                 **environment,
             },
-            # Tests that are killed leave nobody behind.
-            preexec_fn=_end_with_parent,  # noqa: PLW1509
+            # If the tests are killed, their scheduler ends, and its workers follow. A worker would end with the thread
+            # that has started it.
+            preexec_fn=_end_with_parent if part == "scheduler" else None,  # noqa: PLW1509
         )
 
 
