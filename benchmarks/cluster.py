@@ -3,11 +3,11 @@
     python benchmarks/cluster.py --record cluster
     python benchmarks/cluster.py --field-arcmin 12 --integration-s 900
 
-The duration of every task is recorded, and the size of what would be sent: the object that a call shares, and the
+The processor time of every task is recorded, and the size of what would be sent: the object that a call shares, and the
 results. The schedule is then simulated. Tasks of ``distribute`` go to the workers of the cluster; ``map`` and crews,
 that is, minor cycles and the major cycles of a single block, have the cores of the client's machine. A second schedule
-lets the workers do these tasks as well, each call of them as a call of ``distribute``: it is a bound for what their
-distribution can gain, since samples and images would have to be sent, too. Memory bandwidth is neglected.
+lets the workers do these tasks as well, each call of them as a call of ``distribute``; it leaves out the samples and
+images that would have to be sent, too. Memory bandwidth is neglected.
 """
 
 import argparse
@@ -62,7 +62,7 @@ class Call:
     is_distributed
         Whether its tasks may run on other machines.
     seconds
-        Duration of each task [s].
+        Processor time of each task [s].
     shared
         Size of the object that the tasks share [bytes]; 0 for tasks that share memory.
     results
@@ -78,7 +78,7 @@ class Call:
 
 @dataclass
 class Measured(Executor):
-    """Runs one task after the other, and notes durations and sizes; ``overhead`` is the time that this takes [s]."""
+    """Runs one task after the other, and notes times and sizes; ``overhead`` is the time that this takes [s]."""
 
     calls: list[Call] = field(default_factory=list)
     overhead: float = 0.0
@@ -115,17 +115,17 @@ class Measured(Executor):
     ) -> Iterator[Any]:
         self.calls.append(call)
         for task in tasks:
-            start = time.perf_counter()
+            start = time.process_time()
             result = function(task)
-            call.seconds.append(time.perf_counter() - start)
+            call.seconds.append(time.process_time() - start)
             if call.is_distributed:
                 call.results += self._size(result)
             yield result
 
     def _size(self, content: object) -> int:
-        start = time.perf_counter()
+        start = time.process_time()
         size = sys.getsizeof(Parcel.packed(content))
-        self.overhead += time.perf_counter() - start
+        self.overhead += time.process_time() - start
         return size
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -164,11 +164,11 @@ def measured(field_arcmin: float, integration_s: float) -> tuple[list[Call], flo
     galaxies, observation, _ = survey.simulate(field_arcmin, 2.8, integration_s, 7, in_copies())
     catalogue = catalogue_from_galaxies(galaxies, survey.PHASE_CENTRE)
     executor = Measured()
-    start = time.perf_counter()
+    start = time.process_time()
     uvshear.measure(observation, catalogue, resources=uvshear.Resources(executor=executor))
-    wall = time.perf_counter() - start - executor.overhead
+    spent = time.process_time() - start - executor.overhead
     in_tasks = sum(sum(call.seconds) for call in executor.calls)
-    return executor.calls, wall - in_tasks, len(galaxies)
+    return executor.calls, spent - in_tasks, len(galaxies)
 
 
 def predicted(calls: Sequence[Call], rest: float) -> dict[str, float]:
@@ -190,9 +190,9 @@ def predicted(calls: Sequence[Call], rest: float) -> dict[str, float]:
             figures[f"{name.replace(' ', '_')}_{workers}_s"] = span
         figures[f"all_{workers}_s"] = total
         figures[f"efficiency_{workers}_percent"] = 100 * alone / (workers * total)
-        bound = rest + sum(_spans(calls, workers, everywhere=True).values())
-        figures[f"bound_{workers}_s"] = bound
-        figures[f"bound_efficiency_{workers}_percent"] = 100 * alone / (workers * bound)
+        moved = rest + sum(_spans(calls, workers, everywhere=True).values())
+        figures[f"everywhere_{workers}_s"] = moved
+        figures[f"everywhere_efficiency_{workers}_percent"] = 100 * alone / (workers * moved)
         rounds = math.ceil(POINTINGS / workers)
         figures[f"pointings_{workers}_h"] = rounds * alone / 3600
         figures[f"pointings_efficiency_{workers}_percent"] = 100 * POINTINGS / (workers * rounds)

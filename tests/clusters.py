@@ -1,5 +1,6 @@
 """A Dask cluster on the loopback interface: a scheduler and workers, each a process of its own."""
 
+import ctypes
 import json
 import os
 import signal
@@ -77,7 +78,15 @@ def _started(
                 "PYTHONPATH": os.pathsep.join([str(PACKAGE), str(ROOT)]),
                 **environment,
             },
+            # If the tests are killed, their scheduler ends, and its workers follow. A worker would end with the thread
+            # that has started it.
+            preexec_fn=_end_with_parent if part == "scheduler" else None,  # noqa: PLW1509
         )
+
+
+def _end_with_parent() -> None:
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
 
 
 def _address(file: Path, scheduler: "subprocess.Popen[bytes]") -> str:
