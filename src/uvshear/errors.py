@@ -14,4 +14,4 @@ class NothingMeasuredWarning(DataWarning):
 
 
 class CheckpointWarning(DataWarning):
-    """A measurement cannot go on from a checkpoint, or cannot write one; it goes on without."""
+    """A measurement has no state to go on from, or cannot store its state; the work goes on all the same."""

@@ -11,7 +11,7 @@ from astropy.table import Table
 
 from tests.cli.processes import shell
 
-NO_CHECKPOINT = "uvshear: note: s.checkpoint: the checkpoint cannot be written (File too large);"
+NO_CHECKPOINT = "uvshear: note: s.checkpoint: the state of the measurement could not be stored (File too large);"
 SIMULATION = "simulate --layout meerkat --declination-deg -30 --hours 0.2 --integration-s 60 --band-mhz 950 1190"
 
 
@@ -62,9 +62,7 @@ def test_shapes_are_written_with_their_statistics_or_not(
     words = f"measure {field} --catalogue {catalogue} --keep moments,bayesian --threads 1 -o s.fits"
     line = _refused(words, directory, limit)
     assert "cannot be written" in line
-    assert line.endswith("the state is in s.checkpoint, and --resume goes on from there") == (
-        limit > 4
-    )
+    assert ("the state of the measurement is in s.checkpoint" in line) == (limit > 4)
     # What the limit left of the state is enough to write the shapes, once there is room.
     stored = {path.name for path in directory.rglob("*.state")}
     assert stored == ({"extraction.extracted.state"} if limit > 4 else set())

@@ -74,10 +74,10 @@ def test_a_measurement_that_was_ended_is_resumed_to_the_same_bits(
     told = _end(inputs, output, number, there)
     checkpoint = tmp_path / "s.checkpoint"
     if number != signal.SIGKILL:
-        assert told == (
-            "uvshear: interrupted; unfinished outputs have been removed; the state is in"
-            f" {checkpoint}, and --resume goes on from there\n"
-        )
+        left = f"; the state of the measurement is in {checkpoint}: run the same command with --resume to go on from it"
+        has_state = bool(list(checkpoint.glob("*.state")))
+        interrupted = "uvshear: interrupted; unfinished outputs have been removed"
+        assert told == f"{interrupted}{left * has_state}\n"
     left = [path for path in tmp_path.iterdir() if ".uvshear-unfinished-" not in path.name]
     assert left == [checkpoint]
     resumed = uvshear(*_words(inputs, output, "--resume"))
@@ -126,9 +126,9 @@ def _refused(uvshear: Callable, directory: Path, *words: str) -> str:
 def test_other_options_are_refused_by_name(inputs: Path, copied: Path, uvshear: Callable) -> None:
     output = copied / "s.fits"
     told = _refused(uvshear, copied, *_words(inputs, output, "--resume", "--uv-min", "900"))
-    assert "--uv-min was None then, and is 900.0 now" in told
+    assert "--uv-min was None in the earlier run and is 900.0 now" in told
     told = _refused(uvshear, copied, *_words(inputs, output, "--resume", "--no-smearing"))
-    assert "--smearing was True then, and is False now" in told
+    assert "--smearing was True in the earlier run and is False now" in told
 
 
 def test_other_inputs_are_refused_by_name(inputs: Path, copied: Path, uvshear: Callable) -> None:
@@ -142,7 +142,7 @@ def test_other_inputs_are_refused_by_name(inputs: Path, copied: Path, uvshear: C
     assert "the catalogue was 12 sources" in _refused(uvshear, copied, *words)
     words = _words(inputs, copied / "s.fits", "--resume")
     words[1] = str(copied / "field.ms")
-    told = f"now there is the state of {copied / 'field.ms'} ("
+    told = f"the earlier run did not have the content of {copied / 'field.ms'}, which is"
     assert told in _refused(uvshear, copied, *words)
 
 
@@ -156,7 +156,7 @@ def test_visibilities_that_have_changed_are_refused(
     with tables.table(str(tmp_path / "field.ms"), readonly=False, ack=False) as main:
         main.putcell("DATA", 0, main.getcell("DATA", 0) * 2)
     told = _refused(uvshear, tmp_path, *_words(tmp_path, tmp_path / "s.fits", "--resume"))
-    assert f"the state of {tmp_path / 'field.ms'} was" in told
+    assert f"the content of {tmp_path / 'field.ms'} was" in told
 
 
 def test_another_version_is_refused(
@@ -174,7 +174,7 @@ def test_a_damaged_checkpoint_is_refused(inputs: Path, copied: Path, uvshear: Ca
     content[len(content) // 2] ^= 1
     path.write_bytes(content)
     told = _refused(uvshear, copied, *_words(inputs, copied / "s.fits", "--resume"))
-    assert "extraction.sky.state: is a damaged part of a checkpoint" in told
+    assert "extraction.sky.state: this part of a checkpoint is damaged" in told
 
 
 def test_memory_and_threads_may_change(inputs: Path, copied: Path, uvshear: Callable) -> None:

@@ -158,3 +158,24 @@ def test_a_full_disk_ends_the_log_and_not_the_run(tmp_path):
         log.write_end(None)
     reason = "cannot be written any more (No space left on device); the run goes on without a log"
     assert told == [f"{tmp_path / 'run.log'}: {reason}"]
+
+
+def test_a_run_that_continues_another_appends_to_its_log(tmp_path):
+    path = tmp_path / "run.log"
+    for _ in range(2):
+        with run_log(path, MADE, overwrite=True, appends=True, on_failure=[].append) as log:
+            work(log)
+    kinds = ["run", "stage", "stage", "end"]
+    assert [each["record"] for each in lines(path)] == 2 * kinds
+
+
+def test_lines_are_not_appended_to_what_is_no_log(tmp_path):
+    path = tmp_path / "run.log"
+    path.write_text('{"record": "galaxies"}\n')
+    appended = run_log(path, MADE, overwrite=False, appends=True, on_failure=[].append)
+    with pytest.raises(InputError, match="exists already"), appended:
+        pass
+    assert path.read_text() == '{"record": "galaxies"}\n'
+    with run_log(path, MADE, overwrite=True, appends=True, on_failure=[].append):
+        pass
+    assert [each["record"] for each in lines(path)] == ["run", "end"]

@@ -46,7 +46,7 @@ def test_what_differs_has_a_name(inputs):
     (block,) = observation.blocks
     other = replace(block, stokes_i=block.stokes_i * (1 + 1e-12))
     data = replace(observation, blocks=(other,))
-    assert _differing(inputs, observation=data) == {"the reading of the observation"}
+    assert _differing(inputs, observation=data) == {"the selection from the observation"}
     moved = replace(catalogue, flux=catalogue.flux * (1 + 1e-12))
     assert _differing(inputs, catalogue=moved) == {"the catalogue"}
     model = replace(OPTIONS, model=replace(OPTIONS.model, profile=Gaussian()))
@@ -71,7 +71,7 @@ def test_changes_of_the_files_are_noticed(inputs, tmp_path, field_ms):
     changed = next(path.glob("table.f*"))
     os.utime(changed, ns=(10**18, 2 * 10**18))
     after = state()
-    assert {name for name in before if before[name] != after[name]} == {f"the state of {path}"}
+    assert {name for name in before if before[name] != after[name]} == {f"the content of {path}"}
 
 
 @pytest.fixture(scope="module")

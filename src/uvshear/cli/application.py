@@ -102,7 +102,8 @@ class Outcome:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and exit.
 
-    The exit status is 0; 2 for a wrong input or an output that cannot be written; 1, with a traceback, for an error of
+    The exit status is 0; 2 for a wrong input, an output that cannot be written, too little memory, or workers or a
+    cluster that were lost; 1, with a traceback, for an error of
     the program itself; and 128 + N if signal N ended the command. The command runs in a thread of its own, so that the
     main thread can answer signals while compiled code runs.
     """
@@ -190,7 +191,10 @@ def _what_is_left() -> str:
     # If the module has not been imported, nothing is measured.
     checkpoint = sys.modules.get("uvshear.io.checkpoint")
     left: list[object] = getattr(checkpoint, "checkpoints_left", list)()
-    return "".join(f"; the state is in {path}, and --resume goes on from there" for path in left)
+    return "".join(
+        f"; the state of the measurement is in {path}: run the same command with --resume to go on from it"
+        for path in left
+    )
 
 
 def _is_importing(worker: threading.Thread) -> bool:

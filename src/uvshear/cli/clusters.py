@@ -19,7 +19,8 @@ SchedulerOption = Annotated[
         metavar="ADDRESS",
         rich_help_panel=RESOURCES,
         help="Address of the scheduler of a Dask cluster whose workers share the work with this machine, for example"
-        " tcp://10.0.0.1:8786. Results do not depend on it. It needs pip install 'uvshear[dask]'.",
+        " tcp://10.0.0.1:8786 (docs/cluster.md). Results do not depend on the cluster. This option needs Dask (pip"
+        " install 'uvshear[dask]').",
         show_default=False,
     ),
 ]

@@ -254,7 +254,8 @@ def measure(
             "--resume",
             rich_help_panel=OUTPUT,
             help="Go on from the checkpoint (NAME.checkpoint) that a run with the same inputs and options has left"
-            " when it was ended. Without this option the measurement begins anew.",
+            " because it was interrupted. Without this option the measurement begins anew, and the checkpoint of an"
+            " earlier run is deleted.",
         ),
     ] = False,
     threads: Threads = 0,

@@ -22,8 +22,8 @@ LogOption = Annotated[
         "--log",
         metavar="FILE",
         rich_help_panel=OUTPUT,
-        help="Log to write while the command runs: a line in JSON for each stage, with its times, its memory and its"
-        " convergence.",
+        help="Log file, to which a line in JSON is written at the end of each stage of the work: its duration, its CPU"
+        " time, its memory and, for minor cycles, the convergence.",
         show_default=False,
     ),
 ]

@@ -64,7 +64,8 @@ def _answering(client: Callable[..., Any], address: str) -> Any:
     attempt.join(2 * ANSWERS_WITHIN)
     if not found:
         raise InputError(
-            f"--scheduler {address}: no scheduler of a Dask cluster answers there within {ANSWERS_WITHIN:g} s"
+            f"--scheduler {address}: no Dask scheduler has answered at this address within"
+            f" {2 * ANSWERS_WITHIN:g} s"
         )
     return found[0]
 

@@ -86,7 +86,7 @@ def check_version(found: str, expected: str) -> None:
     """Refuse to work together with another version of the package."""
     if found != expected:
         raise InputError(
-            f"--scheduler: a worker has uvshear {found}, but {expected} is needed there as well as here"
+            f"--scheduler: a worker has uvshear {found}, but this machine has {expected}; both must be the same"
         )
 
 

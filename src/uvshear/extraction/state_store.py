@@ -56,7 +56,7 @@ class StateStore(ABC):
 
 
 class NoStore(StateStore):
-    """A store that keeps nothing, for runs that nobody will continue."""
+    """A store that keeps nothing, for runs that cannot be continued."""
 
     is_due = False
 

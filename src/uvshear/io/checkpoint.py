@@ -106,6 +106,11 @@ class CheckpointStore(StateStore):
         self._has_failed = False
 
     @property
+    def has_state(self) -> bool:
+        """Whether a state has been stored."""
+        return bool(self._files(_STATE))
+
+    @property
     def is_due(self) -> bool:
         """Whether nothing has been saved for ``EVERY`` seconds."""
         return time.monotonic() - self._saved > EVERY
@@ -138,10 +143,10 @@ class CheckpointStore(StateStore):
             self._make({_MEASUREMENT: self._identity, _CONTENT: dict(content)})
             return
         _check_same(self.directory, _read_about(self.directory)[_CONTENT], content)
-        if not self._files(_STATE):
+        if not self.has_state:
             _warn(
-                f"{self.directory}: the measurement that made the checkpoint had not finished its first major cycle;"
-                " this one begins anew"
+                f"{self.directory}: the checkpoint has no state yet, because the earlier run ended too early; the"
+                " measurement begins anew"
             )
 
     def _make(self, about: Mapping[str, Mapping[str, str]]) -> None:
@@ -204,7 +209,7 @@ class CheckpointStore(StateStore):
 
     def give_up(self) -> None:
         """Leave the checkpoint to a run that resumes, or remove it if nothing has been stored in it."""
-        if not self._files(_STATE):
+        if not self.has_state:
             self.remove()
 
     def write_results(self, name: str, number: int, found: Mapping[Hashable, Any]) -> None:
@@ -220,7 +225,8 @@ class CheckpointStore(StateStore):
             if not self._has_failed:
                 reason = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
                 _warn(
-                    f"{self.directory}: the checkpoint cannot be written ({reason}); the measurement goes on without"
+                    f"{self.directory}: the state of the measurement could not be stored ({reason}); the measurement"
+                    " goes on, and tries again later"
                 )
             self._has_failed = True
 
@@ -289,11 +295,11 @@ def checkpoint_beside(shapes: Path) -> Path:
 
 
 def checkpoints_left() -> list[Path]:
-    """Store the last results of the measurements of this process, which is about to end, and return where they are."""
+    """Store the last results of the measurements of this process, which is about to end; return where states are."""
     stores, _in_use[:] = tuple(_in_use), []
     for store in stores:
         store.save_results()
-    return [store.directory for store in stores]
+    return [store.directory for store in stores if store.has_state]
 
 
 def remove_checkpoint(directory: Path) -> None:
@@ -311,12 +317,12 @@ def _check_kind(directory: Path) -> None:
     """Refuse what is no checkpoint of this user."""
     if directory.is_symlink() or not (directory / _ABOUT).is_file():
         raise InputError(
-            f"{directory}: exists, and is no checkpoint of uvshear; it would be replaced by one, so move it away, or"
-            " give another name for the output"
+            f"{directory}: this name is needed for the checkpoint, but something else has it; move it away, or give"
+            " the output another name"
         )
     if directory.stat().st_uid != os.geteuid():
         raise InputError(
-            f"{directory}: is a checkpoint of another user; give another name for the output"
+            f"{directory}: this checkpoint belongs to another user; give the output another name"
         )
 
 
@@ -334,8 +340,8 @@ def _check_same(directory: Path, then: Mapping[str, str], now: Mapping[str, str]
     for name in {**now, **then}:
         if (change := _change(name, then.get(name), now.get(name))) is not None:
             raise InputError(
-                f"{directory}: belongs to another measurement: {change}; resume with the same inputs, options and"
-                " version, or begin anew without --resume (resumes=True)"
+                f"{directory}: this checkpoint belongs to another measurement: {change}; use the same inputs, options and"
+                " version, or leave out --resume (in Python: resumes=False) to begin anew"
             )
 
 
@@ -344,10 +350,10 @@ def _change(name: str, before: str | None, after: str | None) -> str | None:
     if before == after:
         return None
     if before is None:
-        return f"now there is {name} ({after})"
+        return f"the earlier run did not have {name}, which is {after} now"
     if after is None:
-        return f"there was {name} ({before}) then"
-    return f"{name} was {before} then, and is {after} now"
+        return f"the earlier run had {name} ({before}), which this run does not have"
+    return f"{name} was {before} in the earlier run and is {after} now"
 
 
 def _check_states(directory: Path) -> None:
@@ -368,7 +374,8 @@ def _read(path: Path) -> Any:
 
 def _damaged(path: Path, how: str) -> InputError:
     return InputError(
-        f"{path}: is a damaged part of a checkpoint ({how}); begin anew without --resume (resumes=True)"
+        f"{path}: this part of a checkpoint is damaged ({how}); leave out --resume (in Python: resumes=False) to begin"
+        " anew"
     )
 
 

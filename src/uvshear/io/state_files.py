@@ -1,8 +1,8 @@
 """Files with one Python object each, whose checksums tell whether they are whole.
 
 An object is pickled, because the state of a measurement may hold objects of the user's own classes. Its large arrays
-are written as they are, so that neither writing nor reading duplicates them. Reading such a file may run any code; it
-must therefore be known to belong to this user before (``checkpoint``).
+are written as they are, so that neither writing nor reading duplicates them. Reading such a file may run any code;
+``checkpoint`` therefore first checks that the file belongs to this user.
 """
 
 import os
@@ -31,7 +31,7 @@ class DamagedError(Exception):
 
 
 def write_state(path: Path, state: Any) -> None:
-    """Write an object to a new file, which has its name only when it is whole."""
+    """Write an object to a new file, which gets its name only when it is complete."""
     # The process may be killed now; another name belongs to no state.
     unfinished = path.with_name(f".{path.name}.{os.getpid()}")
     try:

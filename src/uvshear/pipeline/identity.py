@@ -41,11 +41,11 @@ def identity_of(
     for part in parts:
         name = origin_of(part).name
         if (path := Path(name)).exists():
-            found[f"the state of {name}"] = _files(path)
-        found[f"the reading of {name}"] = text_of(part)
+            found[f"the content of {name}"] = _files(path)
+        found[f"the selection from {name}"] = text_of(part)
     found["the catalogue"] = f"{len(sources)} sources ({_digest(canonical(sources))})"
     found |= _by_field("model", options.model) | _by_field("method", options.method)
-    found["keep"] = text_of(tuple(options.keep))
+    found["the list of statistics to keep"] = text_of(tuple(options.keep))
     return found
 
 
@@ -110,7 +110,7 @@ def _described(value: Any) -> Iterator[str]:
 
 
 def _counts(value: object, name: str) -> bool:
-    """Tell whether an attribute is more than a memory of what was computed."""
+    """Tell whether an attribute is given, and not a cached result."""
     is_cached = isinstance(getattr(type(value), name, None), cached_property)
     return not is_cached and not isinstance(getattr(value, name), KeptOnce)
 

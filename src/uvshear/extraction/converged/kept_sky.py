@@ -1,4 +1,4 @@
-"""A sky between two major cycles without what can be computed from the rest: the form in which it is stored."""
+"""The stored form of a sky between two cycles; whatever can be computed from the other parts is left out."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -48,7 +48,7 @@ class KeptSky:
 
     @classmethod
     def for_another_major_cycle(cls, state: SkyState) -> Self:
-        """Take the parts of a state to which no source will be fitted: most of the memory is in the others."""
+        """Take what another major cycle needs: no facets and no changes, which take most of the memory."""
         nothing = ChangeImage(state.interaction).changes()
         return cls(
             state.fits,
