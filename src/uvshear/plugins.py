@@ -16,7 +16,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from typing import Any
 
 from uvshear.errors import InputError
@@ -78,5 +78,6 @@ class Registry:
             " stands for an object of your own"
         )
 
-    def _registered(self) -> list[EntryPoint]:
+    def _registered(self) -> list[Any]:
+        """Return the entry points: where Dask has been imported, they are those of the package importlib_metadata."""
         return list(entry_points(group=self.group))

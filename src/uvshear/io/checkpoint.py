@@ -219,9 +219,8 @@ class CheckpointStore(StateStore):
     def _write(self, path: Path, state: Any) -> None:
         try:
             write_state(path, state)
-        except (
-            Exception
-        ) as error:  # the disk is full, or an object of the user's own cannot be pickled
+        # The disk is full, or an object of the user's own cannot be pickled.
+        except Exception as error:
             if not self._has_failed:
                 reason = getattr(error, "strerror", None) or f"{type(error).__name__}: {error}"
                 _warn(
@@ -340,8 +339,8 @@ def _check_same(directory: Path, then: Mapping[str, str], now: Mapping[str, str]
     for name in {**now, **then}:
         if (change := _change(name, then.get(name), now.get(name))) is not None:
             raise InputError(
-                f"{directory}: this checkpoint belongs to another measurement: {change}; use the same inputs, options and"
-                " version, or leave out --resume (in Python: resumes=False) to begin anew"
+                f"{directory}: this checkpoint belongs to another measurement: {change}; use the same inputs, options"
+                " and version, or leave out --resume (in Python: resumes=False) to begin anew"
             )
 
 
