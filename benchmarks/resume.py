@@ -1,8 +1,8 @@
 """Measurements that are killed at random moments and resumed: their shapes, and the work that is done twice.
 
-    python benchmarks/resume.py [--kills 20] [--field-arcmin 12 --count 403] [--record resume]
+    python benchmarks/resume.py [--kills 25] [--field-arcmin 12 --count 403] [--record resume]
 
-A field is simulated and measured once without an interruption. Then each measurement gets SIGKILL or, every second
+A field is simulated and measured once without an interruption. Then each measurement gets SIGKILL or, every fifth
 time, SIGTERM at a random moment, and is resumed until it ends. The log of each run (``measure --log``) tells which
 stages were finished and which were begun.
 """
@@ -43,7 +43,7 @@ class Ended:
 def main() -> None:
     """Simulate, measure, kill, resume, compare, write."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--kills", type=int, default=25)
     parser.add_argument("--field-arcmin", type=float, default=12.0)
     parser.add_argument("--count", type=int, default=403)
     parser.add_argument("--keep", default="moments")
@@ -84,7 +84,7 @@ def measured(folder: Path, arguments: argparse.Namespace) -> dict[str, float]:
     differing, twice, cycles_twice, sizes = 0, [], [], []
     for number in range(arguments.kills):
         moment = moments.uniform(0, whole.seconds)
-        kind = signal.SIGTERM if number % 2 else signal.SIGKILL
+        kind = signal.SIGTERM if number % 5 == 4 else signal.SIGKILL
         first = measure(words, folder, after=moment, kind=kind)
         if first.status == 0:
             continue  # it was faster than the moment

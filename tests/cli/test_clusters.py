@@ -147,7 +147,7 @@ def test_a_scheduler_that_cannot_be_reached_is_told_before_work_starts(
     outcome = uvshear(*words, "--scheduler", "127.0.0.1:9", "-o", output)
     assert outcome.status == 2
     assert outcome.err.count("\n") == 1
-    assert "--scheduler 127.0.0.1:9: no scheduler of a Dask cluster answers" in outcome.err
+    assert "--scheduler 127.0.0.1:9: no Dask scheduler has answered at this address" in outcome.err
     assert not output.exists()
 
 

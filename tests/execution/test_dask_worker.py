@@ -32,7 +32,7 @@ def test_another_version_of_the_package_does_not_work() -> None:
     answers = _answers(work.affine, 3, [1], expected="0.0.1")
     assert not answers.results
     assert isinstance(answers.error, InputError)
-    assert f"uvshear {version()}, but 0.0.1 is needed" in str(answers.error)
+    assert f"uvshear {version()}, but this machine has 0.0.1" in str(answers.error)
 
 
 def test_a_module_that_a_worker_lacks_is_named() -> None:

@@ -50,7 +50,9 @@ def test_every_stage_is_stored(whole):
     _, events = whole
     assert events.count("sky") >= 4  # two major cycles and their minor cycles
     assert events.index("beams") < events.index("sky")
-    assert events[-7:] == [*["posteriors"] * 2, *["release.sky"] * 3, *["statistics"] * 2]
+    assert "minor-cycle" in events
+    last = [each for each in events if each.partition(".")[2] != "minor-cycle"]
+    assert last[-7:] == [*["posteriors"] * 2, *["release.sky"] * 3, *["statistics"] * 2]
 
 
 def test_an_extraction_that_was_interrupted_anywhere_ends_with_the_same_bits(scene, whole):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.extraction.converged.states import nothing, touching_pair
+from tests.extraction.stores import InterruptingStore, InterruptionError
 from uvshear.execution import SERIAL, Copies
 from uvshear.extraction.converged.minor_cycle import MOST_ITERATIONS, run_minor_cycle
 from uvshear.shapes.normal_equations import normal_equations
@@ -104,3 +105,40 @@ def test_every_fit_is_heard_of(prepared):
     heard = []
     run_minor_cycle(prepared.state, 1e9, SERIAL, lambda: heard.append(1), afresh=True)
     assert len(heard) == 2
+
+
+def _stored(prepared, store, label="first"):
+    """Run a minor cycle of several iterations with a store; return it with the number of fits."""
+    heard = []
+    cycle = run_minor_cycle(
+        prepared.state,
+        1e-3,
+        SERIAL,
+        lambda: heard.append(1),
+        afresh=True,
+        store=store,
+        label=label,
+    )
+    return cycle, len(heard)
+
+
+def test_a_cycle_that_was_interrupted_goes_on_with_the_next_iteration(prepared):
+    whole, fits = _stored(prepared, InterruptingStore())
+    assert len(whole.moves) > 1
+    for moment in range(1, len(whole.moves)):
+        store = InterruptingStore()
+        with pytest.raises(InterruptionError):
+            _stored(prepared, store.interrupted_after(moment))
+        again, left = _stored(prepared, store.interrupted_after(10**9))
+        assert again.moves == whole.moves
+        assert np.array_equal(again.change, whole.change)
+        assert left < fits
+
+
+def test_the_state_of_another_cycle_is_not_used(prepared):
+    _, fits = _stored(prepared, InterruptingStore())
+    store = InterruptingStore()
+    with pytest.raises(InterruptionError):
+        _stored(prepared, store.interrupted_after(1))
+    _, again = _stored(prepared, store.interrupted_after(10**9), label="second")
+    assert again == fits

@@ -42,6 +42,7 @@ from uvshear.extraction.converged.statistics import keep_statistics
 from uvshear.extraction.converged.workload import Workload
 from uvshear.extraction.extraction import Extracted, Extraction, Setting
 from uvshear.extraction.field import Field
+from uvshear.extraction.state_store import StateStore
 from uvshear.interferometer.held_observation import HELD_PART, held
 from uvshear.interferometer.uv_range import UvRange
 from uvshear.interferometer.visibilities import Observation
@@ -156,7 +157,7 @@ class ConvergedExtraction(Extraction):
             epsilon,
             executor.workers,
         )
-        cycles = _Cycles(self, workload, gridding, executor, meter)
+        cycles = _Cycles(self, workload, gridding, executor, meter, store)
 
         reached = load_extraction(store, baselines, modelled)
         while not reached.has_converged:
@@ -220,6 +221,7 @@ class _Cycles:
     gridding: Gridding
     executor: Executor
     meter: Meter
+    store: StateStore
 
     def with_major_cycle(
         self, reached: ExtractionState, observation: Observation
@@ -258,7 +260,13 @@ class _Cycles:
         self.meter.begin(*stages)
         tolerance = extraction.tolerance if number else max(extraction.tolerance, ROUGH)
         minor = run_minor_cycle(
-            state, tolerance, self.executor, self.meter.add, afresh=number < AFRESH
+            state,
+            tolerance,
+            self.executor,
+            self.meter.add,
+            afresh=number < AFRESH,
+            store=self.store,
+            label=f"{number} with baselines from {reached.baselines.shortest}",
         )
         state, cycles = minor.state, reached.cycles
         # The first step, from the catalogue, tells nothing of those near the maximum of the likelihood.

@@ -54,12 +54,14 @@ class MovingSky:
     ----------
     state
         The sky to begin with, which is not changed.
+    now
+        The present sky, if it is another one.
     """
 
-    def __init__(self, state: SkyState) -> None:
-        self._before = state.fits
+    def __init__(self, state: SkyState, now: SkyState | None = None) -> None:
+        self._before, now = state.fits, now or state
         # The workers do without the linearisation, which is large.
-        self._now = replace(state, image=state.image.copy(), linearisation=None)
+        self._now = replace(now, image=now.image.copy(), linearisation=None)
         # Zeros that nobody writes take no memory.
         self._rendered = shared_zeros((SLOTS, WINDOW, WINDOW), np.float32)
 

@@ -71,7 +71,10 @@ def release(
         now, before, moves = replace(found, sources=sources), kept.before, kept.moves
     while len(moves) < RELEASES:
         before = now.fits
-        cycle = run_minor_cycle(now, tolerance, executor, on_fit, afresh=False)
+        label = f"released {len(moves)}"
+        cycle = run_minor_cycle(
+            now, tolerance, executor, on_fit, afresh=False, store=store, label=label
+        )
         now, moves = cycle.state, (*moves, rms(cycle.change))
         if store.is_due or len(moves) == RELEASES:
             store.save(_NAME, _Released(KeptSky.from_state(now), before, moves))
