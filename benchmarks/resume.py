@@ -138,11 +138,16 @@ def measure(
 
 
 def stages(log: Path) -> dict[str, float]:
-    """Return the duration of each stage that a run has finished [s], by its name."""
+    """Return the duration of each stage that the last run of a log has finished [s], by its name."""
+    found: dict[str, float] = {}
     if not log.exists():
-        return {}
-    records = [json.loads(line) for line in log.read_text(encoding="utf-8").splitlines()]
-    return {each["stage"]: each["seconds"] for each in records if each["record"] == "stage"}
+        return found
+    for record in map(json.loads, log.read_text(encoding="utf-8").splitlines()):
+        if record["record"] == "run":
+            found.clear()  # a resumed run appends its lines
+        elif record["record"] == "stage":
+            found[record["stage"]] = record["seconds"]
+    return found
 
 
 def content(folder: Path) -> Sequence[bytes]:
