@@ -15,8 +15,9 @@ SIZE = 60e6
 
 def _work(shared, seconds):
     """Use a processor for a time, and some memory until the process ends."""
-    _held.append(np.ones(int(SIZE / 8)))
+    # The system may take more than a tenth of a second to provide the memory.
     end = time.process_time() + seconds
+    _held.append(np.ones(int(SIZE / 8)))
     while time.process_time() < end:
         pass
     return os.getpid()
