@@ -86,6 +86,7 @@ def measured(folder: Path, arguments: argparse.Namespace) -> dict[str, float]:
     for number in range(arguments.kills):
         moment = moments.uniform(0, whole.seconds)
         kind = signal.SIGTERM if number % 5 == 4 else signal.SIGKILL
+        (folder / "run.log").unlink()  # a run that is killed at once leaves none
         first = measure(words, folder, after=moment, kind=kind)
         if first.status == 0:
             continue  # it was faster than the moment
