@@ -126,7 +126,7 @@ def _refused(uvshear: Callable, directory: Path, *words: str) -> str:
 def test_other_options_are_refused_by_name(inputs: Path, copied: Path, uvshear: Callable) -> None:
     output = copied / "s.fits"
     told = _refused(uvshear, copied, *_words(inputs, output, "--resume", "--uv-min", "900"))
-    assert "--uv-min was None in the earlier run and is 900.0 now" in told
+    assert "--uv-min was not given in the earlier run and is 900.0 now" in told
     told = _refused(uvshear, copied, *_words(inputs, output, "--resume", "--no-smearing"))
     assert "--smearing was True in the earlier run and is False now" in told
 

@@ -165,7 +165,7 @@ def provenance(context: typer.Context, *inputs: Path) -> "Provenance":
 def options_of_the_state(context: typer.Context) -> dict[str, object]:
     """Return the options, as they are written on the command line, with which another run can go on."""
     return {
-        f"--{name.replace('_', '-')}": value
+        f"--{name.replace('_', '-')}": "not given" if value is None else value
         for name, value in sorted(context.params.items())
         if name not in NO_PART_OF_THE_STATE
     }

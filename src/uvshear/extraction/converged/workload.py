@@ -79,7 +79,7 @@ class Workload:
             cycles += [self._major_cycle(number, of_plan), self._minor_cycle(number, history)]
         return (*cycles, *self.ending)
 
-    @property
+    @cached_property
     def ending(self) -> tuple[Stage, ...]:
         """Stages after the last cycle."""
         galaxies = len(self.planner.modelled.galaxies)
