@@ -143,3 +143,19 @@ def test_a_copy_grows_by_itself(field):
     copy.set_flux_changes(np.ones(5))
     np.testing.assert_array_equal(field.seen_in(image, 1), before)
     assert np.linalg.norm(field.seen_in(copy, 1) - before) > 0.01 * np.linalg.norm(before)
+
+
+def test_an_image_that_was_stored_is_the_same_to_the_bit(with_core):
+    interaction = with_core.interaction()
+    image = ChangeImage(interaction)
+    _, change = with_core.rendered(0, SKY, CHANGES["flux"])
+    image.add(0, change)
+    # The far couplings of these five galaxies are zero; the plateau of a wider field is not.
+    image._plateau[:] = np.arange(1.0, 6.0)
+    again = ChangeImage.from_changes(interaction, image.changes())
+    assert np.any(image._pixels != 0)
+    np.testing.assert_array_equal(again._pixels, image._pixels)
+    np.testing.assert_array_equal(again._plateau, image._plateau)
+    nothing = ChangeImage(interaction).changes()
+    assert len(nothing.blocks) == 0
+    assert not np.any(ChangeImage.from_changes(interaction, nothing)._pixels)
