@@ -2,23 +2,24 @@
 
 import math
 import pickle
-from collections import defaultdict
+from collections import Counter, defaultdict
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pytest
 
+from tests.reference.nodes import nodes_of_samples
 from uvshear.averaging.averager import Averager
 from uvshear.averaging.cells import Cells
 from uvshear.averaging.dish_pairs import DishPairs
 from uvshear.averaging.sub_bands import SubBand
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.execution import SERIAL, Resources, Threads
-from uvshear.interferometer.averaged_rows import MOMENTS
+from uvshear.interferometer.averaged_rows import SECOND
 from uvshear.interferometer.visibilities import Integrations, Visibilities
 
-CELLS = Cells(40.0, 300.0)
+CELLS = Cells(40.0, 300.0, 0.7)
 FREQUENCY = np.linspace(0.9e9, 1.3e9, 7)
 BOUNDLESS = Resources(SERIAL, math.inf)
 (ALIKE,) = DishPairs.from_diameters([np.full(5, 13.5)])
@@ -50,7 +51,7 @@ def _averaged(chunks, resources=BOUNDLESS, pairs=ALIKE, cells=CELLS):
 def _expected(seen: Visibilities):
     """Return the samples of each sub-band and cell: baselines [wavelengths at the band], weights and so on."""
     groups = defaultdict(list)
-    for row in range(len(seen)):
+    for row in np.lexsort(seen.integrations.antennas.T):
         for chan, frequency in enumerate(seen.frequency):
             weight = float(seen.weights[row, chan])
             if not weight:
@@ -76,39 +77,47 @@ def _expected(seen: Visibilities):
     return groups
 
 
-def test_averages_are_those_of_sums_in_plain_python() -> None:
+def test_rows_are_the_nodes_of_the_samples_of_each_cell() -> None:
     seen = _seen(longest=80.0)
     expected = _expected(seen)
     found, samples = _averaged([seen])
     assert samples == np.count_nonzero(seen.weights)
-    assert sum(len(averages) for _, averages in found) == len(expected)
-    assert len(expected) < 0.9 * samples
+    ranks = Counter()
     for group, averages in found:
-        scale = group.band.frequency / SPEED_OF_LIGHT
-        for k in range(len(averages)):
-            uvw = averages.uvw[k] * scale
-            cell = tuple(np.rint(uvw / (CELLS.uv, CELLS.uv, CELLS.w)).astype(int).tolist())
+        scale, row = group.band.frequency / SPEED_OF_LIGHT, 0
+        # Cells follow in the order of their first samples.
+        for band, cell in [key for key in expected if key[0] == group.band]:
             weight, value, place, frequency, width, time, interval = map(
-                np.array, zip(*expected.pop((group.band, cell)), strict=True)
+                np.array, zip(*expected.pop((band, cell)), strict=True)
             )
-            share = weight / weight.sum()
-            assert averages.weights[k] == pytest.approx(weight.sum(), rel=1e-12)
-            assert averages.stokes_i[k] == pytest.approx(share @ value, rel=1e-5, abs=1e-6)
-            mean = share @ place
-            np.testing.assert_allclose(uvw, mean, rtol=0, atol=1e-8)
-            assert averages.rows.frequency[k] == pytest.approx(share @ frequency, rel=1e-12)
-            relative = share @ (width / frequency)
-            assert averages.rows.width[k] == pytest.approx(
-                relative * (share @ frequency), rel=1e-12
+            size = np.array([CELLS.uv, CELLS.uv, CELLS.w])
+            shares, mean, values, moments = nodes_of_samples(
+                place / size, weight, np.column_stack([value, frequency]), CELLS.smallest_scatter
             )
-            assert averages.time[k] == pytest.approx(share @ time, rel=1e-12)
-            assert averages.interval[k] == pytest.approx(share @ interval, rel=1e-12)
-            moved = place - mean
-            moments = [share @ (moved[:, a] * moved[:, b]) for a, b in MOMENTS]
+            rows = slice(row, row := row + len(shares))
+            ranks[len(shares)] += 1
+            np.testing.assert_allclose(averages.weights[rows], shares * weight.sum(), rtol=1e-7)
             np.testing.assert_allclose(
-                averages.rows.covariance[k] * scale**2, moments, rtol=0, atol=1e-7
+                averages.stokes_i[rows], values[:, 0], rtol=1e-5, atol=1e-5 * np.abs(value).max()
             )
+            np.testing.assert_allclose(averages.uvw[rows] * scale, mean * size, rtol=0, atol=1e-7)
+            np.testing.assert_allclose(averages.rows.frequency[rows], values[:, 1].real, rtol=1e-9)
+            share = weight / weight.sum()
+            np.testing.assert_allclose(
+                averages.rows.width[rows] / averages.rows.frequency[rows],
+                share @ (width / frequency),
+                rtol=1e-12,
+            )
+            np.testing.assert_allclose(averages.time[rows], share @ time, rtol=1e-12)
+            np.testing.assert_allclose(averages.interval[rows], share @ interval, rtol=1e-12)
+            own = averages.rows.second[rows] * scale**2
+            for column, (a, b) in enumerate(SECOND):
+                np.testing.assert_allclose(
+                    own[:, column], moments[:, a, b] * size[a] * size[b], rtol=1e-6, atol=1e-5
+                )
+        assert row == len(averages)
     assert not expected
+    assert min(ranks[nodes] for nodes in (1, 2, 3, 4)) > 20
 
 
 def _same(found, other) -> None:
@@ -116,7 +125,8 @@ def _same(found, other) -> None:
         assert group == group_too
         for name in ("uvw", "stokes_i", "weights", "time", "interval"):
             np.testing.assert_array_equal(getattr(averages, name), getattr(others, name))
-        np.testing.assert_array_equal(averages.rows.covariance, others.rows.covariance)
+        np.testing.assert_array_equal(averages.rows.second, others.rows.second)
+        np.testing.assert_array_equal(averages.rows.fourth, others.rows.fourth)
 
 
 @pytest.mark.parametrize("chunks", [1, 3])
@@ -157,8 +167,10 @@ def test_parts_that_are_merged_are_the_whole() -> None:
     assert first.finish() == np.count_nonzero(seen.weights)
     for (group, averages), (group_too, others) in zip(found, whole, strict=True):
         assert group == group_too
-        np.testing.assert_allclose(averages.weights, others.weights, rtol=1e-12)
-        np.testing.assert_allclose(averages.uvw, others.uvw, rtol=0, atol=1e-8)
+        # The rows of the parts are added in another order, so that cells are met in another order.
+        one, two = (np.lexsort(each.uvw.round(3).T) for each in (averages, others))
+        np.testing.assert_allclose(averages.weights[one], others.weights[two], rtol=1e-9)
+        np.testing.assert_allclose(averages.uvw[one], others.uvw[two], rtol=0, atol=1e-6)
 
 
 def test_parts_that_are_merged_in_little_memory_make_more_rows_and_lose_nothing() -> None:
@@ -199,4 +211,4 @@ def test_the_sign_of_baselines_does_not_matter() -> None:
 
 def test_baselines_beyond_the_numbers_of_cells_are_refused() -> None:
     with pytest.raises(ValueError, match="the cells are too small"):
-        _averaged([_seen(longest=1e7)], cells=Cells(1e-1, 1e4))
+        _averaged([_seen(longest=1e7)], cells=Cells(1e-1, 1e4, 0.7))

@@ -11,7 +11,7 @@ from uvshear.averaging.sub_bands import SubBand
 from uvshear.interferometer.visibilities import Visibilities
 
 BAND = SubBand(218)
-CELLS = Cells(10.0, 100.0)
+CELLS = Cells(10.0, 100.0, 0.7)
 
 
 def _seen(uvw) -> RowsToAverage:
@@ -39,7 +39,7 @@ def test_a_full_table_says_where_to_go_on() -> None:
     table.grow()
     assert table.room == 2 * SMALLEST
     assert table.add(seen, row) == len(seen)
-    averages = table.taken()
+    (averages,) = table.taken()
     np.testing.assert_allclose(averages.uvw, seen.uvw, rtol=0, atol=1e-9)
     assert len(table) == 0
 
@@ -48,14 +48,14 @@ def test_a_table_that_was_sent_has_its_cells_and_takes_others() -> None:
     table, seen = CellTable(CELLS, BAND), _seen(_far_apart(50))
     table.add(seen, 0)
     message = pickle.dumps(table)
-    assert len(message) < 150 * 50 + 1000  # no memory that holds no cell
+    assert len(message) < 420 * 50 + 1000  # no memory that holds no cell
     sent, twice = pickle.loads(message), pickle.loads(message)
     sent.add_cells(pickle.loads(message))
     assert len(sent) == 50
-    averages = sent.taken()
+    (averages,) = sent.taken()
     np.testing.assert_allclose(averages.uvw, seen.uvw, rtol=0, atol=1e-9)
     np.testing.assert_array_equal(averages.weights, 2.0)
-    np.testing.assert_array_equal(twice.taken().weights, 1.0)
+    np.testing.assert_array_equal(next(twice.taken()).weights, 1.0)
 
 
 def test_a_table_foresees_how_much_it_will_grow() -> None:
@@ -69,9 +69,9 @@ def test_a_table_foresees_how_much_it_will_grow() -> None:
 def test_a_table_that_was_emptied_can_be_used_again() -> None:
     table, seen = CellTable(CELLS, BAND), _seen(_far_apart(30))
     table.add(seen, 0)
-    first = table.taken()
+    (first,) = table.taken()
     table.add(seen, 0)
-    again = table.taken()
+    (again,) = table.taken()
     np.testing.assert_array_equal(first.uvw, again.uvw)
     np.testing.assert_array_equal(again.weights, 1.0)
 
@@ -79,9 +79,9 @@ def test_a_table_that_was_emptied_can_be_used_again() -> None:
 def test_a_cell_of_one_sample_has_no_scatter() -> None:
     table = CellTable(CELLS, BAND)
     table.add(_seen([(123.4567, 89.0123, -45.678)]), 0)
-    averages = table.taken()
+    (averages,) = table.taken()
     np.testing.assert_allclose(averages.uvw, [(123.4567, 89.0123, -45.678)], rtol=1e-12)
-    np.testing.assert_allclose(averages.rows.covariance, 0.0, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(averages.rows.second, 0.0, rtol=0, atol=1e-12)
     assert averages.rows.frequency[0] == pytest.approx(BAND.frequency, rel=1e-12)
 
 
@@ -95,7 +95,7 @@ def test_cells_on_both_sides_of_the_origin_are_told_apart() -> None:
     ]
     table = CellTable(CELLS, BAND)
     table.add(_seen(places), 0)
-    averages = table.taken()
+    (averages,) = table.taken()
     np.testing.assert_allclose(averages.uvw, places, rtol=0, atol=1e-9)
 
 

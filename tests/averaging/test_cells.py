@@ -16,18 +16,26 @@ def _turn(cells: Cells, radius: float) -> tuple[float, float]:
     return 2 * math.pi * cells.uv / 2 * radius, 2 * math.pi * cells.w / 2 * abs(n)
 
 
-def test_half_a_cell_turns_the_phase_at_the_edge_by_0_46_rad() -> None:
+def test_half_a_cell_turns_the_phase_at_the_edge_by_0_73_rad() -> None:
     for width in (2.0, 30.0, 84.0):
         cells = Cells.for_field(width * ARCMIN)
-        assert _turn(cells, width / 2 * ARCMIN) == pytest.approx((0.46, 0.46), abs=2e-3)
+        assert cells.turn == pytest.approx(0.733, abs=1e-3)
+        assert _turn(cells, width / 2 * ARCMIN) == pytest.approx((cells.turn,) * 2, rel=1e-4)
 
 
-@pytest.mark.parametrize("accuracy", [1e-5, 2.5e-4, 5e-3])
-def test_the_accuracy_is_the_error_of_the_gaussian(accuracy: float) -> None:
+@pytest.mark.parametrize("accuracy", [0.01, 0.08, 0.15])
+def test_the_accuracy_is_what_a_linear_function_of_the_coordinates_leaves(accuracy: float) -> None:
     cells = Cells.for_field(30 * ARCMIN, accuracy)
     phase = np.linspace(-1, 1, 200_001) * _turn(cells, 15 * ARCMIN)[0]
-    error = math.exp(-np.mean(phase**2) / 2) - np.mean(np.cos(phase))
-    assert error == pytest.approx(accuracy, rel=0.12)
+    signal = np.exp(1j * phase)
+    kept = abs(np.mean(signal)) ** 2 + abs(np.mean(phase * signal)) ** 2 / np.mean(phase**2)
+    assert math.sqrt(1 - kept) == pytest.approx(accuracy, rel=0.06)
+
+
+def test_a_direction_without_a_node_costs_six_times_as_much() -> None:
+    cells = Cells.for_field(30 * ARCMIN)
+    turned = (2 * cells.turn) ** 2 * cells.smallest_scatter
+    assert turned == pytest.approx(6 * 0.08**2, rel=1e-6)
 
 
 @pytest.mark.parametrize("width", [0.0, -1.0, math.nan, 11 * 60.0])
@@ -36,7 +44,7 @@ def test_a_field_without_a_width_is_refused(width: float) -> None:
         Cells.for_field(width * ARCMIN)
 
 
-@pytest.mark.parametrize("accuracy", [0.0, -1e-3, math.nan, 0.2])
+@pytest.mark.parametrize("accuracy", [0.0, -1e-3, math.nan, 0.6])
 def test_an_accuracy_that_means_nothing_is_refused(accuracy: float) -> None:
     with pytest.raises(InputError, match="a number above 0 and up to"):
         Cells.for_field(30 * ARCMIN, accuracy)

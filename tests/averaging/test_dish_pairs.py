@@ -15,7 +15,9 @@ def _seen(antennas) -> Visibilities:
         stokes_i=np.arange(rows, dtype=np.complex64)[:, None],
         weights=np.ones((rows, 1), np.float32),
         integrations=Integrations(np.array(antennas), np.zeros(rows), np.zeros(rows)),
-        averages=AveragedRows(np.arange(1.0 * rows), np.zeros(rows), np.zeros((rows, 6))),
+        averages=AveragedRows(
+            np.arange(1.0 * rows), np.zeros(rows), np.zeros((rows, 6)), np.zeros((rows, 15))
+        ),
     )
 
 

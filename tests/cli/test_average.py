@@ -27,7 +27,7 @@ def test_a_set_is_averaged_described_and_measured(
     [
         (("--field-arcmin", "700"), "at most 600 arcmin"),
         (("--field-arcmin", "0"), "a number above 0"),
-        (("--field-arcmin", "4", "--accuracy", "0.5"), "up to 0.1"),
+        (("--field-arcmin", "4", "--accuracy", "0.6"), "up to 0.5"),
         (("--field-arcmin", "4", "--scans", "9"), "no rows of scan 9"),
         ((), "--field-arcmin"),
     ],

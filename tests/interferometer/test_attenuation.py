@@ -1,5 +1,7 @@
 """Smearing, against averages over finer channels and times."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -23,7 +25,7 @@ from uvshear.interferometer.attenuation import (
     CombinedAttenuation,
     TimeSmearing,
 )
-from uvshear.interferometer.averaged_rows import MOMENTS
+from uvshear.interferometer.averaged_rows import FOURTH, SECOND, permutations_of
 from uvshear.interferometer.coverage import EARTH_ROTATION
 
 
@@ -99,12 +101,24 @@ def test_the_smearing_of_a_cell_is_the_average_over_it(dtype):
         spread = rng.uniform(-1, 1, (20_000, 3)) * (8, 5, 2) @ turned
         spread -= spread.mean(axis=0)
         exact.append(np.exp(2j * np.pi * spread @ directions.T).mean(axis=0))
-        moments.append([np.mean(spread[:, a] * spread[:, b]) for a, b in MOMENTS])
-    seen = samples(covariance=np.array(moments, np.float32))
+        moments.append([np.mean(spread[:, a] * spread[:, b]) for a, b in SECOND])
+    scatter = np.column_stack([moments, np.zeros((PAIRS, len(FOURTH)))])
+    seen = samples(scatter=scatter.astype(np.float32))
     factors = np.ones((2, PAIRS), dtype)
     CellSmearing().over(seen).multiply(factors, l, m)
     assert factors.min() < 0.97
     np.testing.assert_allclose(factors, np.array(exact).real.T, rtol=0, atol=2.5e-4)
+
+
+def test_a_form_of_fourth_degree_lowers_the_amplitude():
+    rng = np.random.default_rng(3)
+    fourth = rng.uniform(0, 1e6, (PAIRS, len(FOURTH)))
+    seen = samples(scatter=np.column_stack([np.zeros((PAIRS, 6)), fourth]).astype(np.float32))
+    direction = 2 * np.pi * np.array([L, M, math.sqrt(1 - L**2 - M**2) - 1])
+    form = [permutations_of(place) * np.prod(direction[list(place)]) for place in FOURTH]
+    expected = np.exp(-fourth @ form / 2)
+    assert np.ptp(expected) > 0.01
+    np.testing.assert_allclose(CellSmearing().factor(seen, L, M), expected, rtol=1e-5)
 
 
 def test_samples_without_moments_are_not_smeared_in_cells():

@@ -19,7 +19,7 @@ from uvshear.execution import in_threads
 from uvshear.galaxy import Exponential, Galaxies
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.imaging import ImageGrid
-from uvshear.interferometer.averaged_rows import MOMENTS
+from uvshear.interferometer.averaged_rows import FOURTH, SECOND, permutations_of
 from uvshear.interferometer.coverage import Track, synthesise
 from uvshear.interferometer.layout import load_layout
 from uvshear.interferometer.noise import ScaledNoise
@@ -254,9 +254,9 @@ def test_averages_show_a_point_where_it_was_and_as_faint_as_their_loss_tells(tmp
     lost = weights = 0.0
     for seen in open_observation(compact).chunks():
         samples = Samples.from_visibilities(seen, 0.0, math.inf)
-        moments = samples.covariance.astype(float)
-        form = np.array([direction[a] * direction[b] * (1 if a == b else 2) for a, b in MOMENTS])
-        lost += float(samples.weights @ (1 - np.exp(-2 * math.pi**2 * (moments @ form))))
+        places = [*SECOND, *FOURTH]
+        form = [permutations_of(one) * np.prod(2 * np.pi * direction[list(one)]) for one in places]
+        lost += float(samples.weights @ (1 - np.exp(-samples.scatter.astype(float) @ form / 2)))
         weights += float(samples.weights.sum())
     loss = lost / weights
     assert loss > 0.01

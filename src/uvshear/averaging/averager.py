@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from uvshear.averaging.blocks import blocks_of
 from uvshear.averaging.cell_table import BYTES_PER_CELL, Averages, CellTable, RowsToAverage
 from uvshear.averaging.cells import Cells
 from uvshear.averaging.dish_pairs import DishPairs
@@ -96,18 +97,21 @@ class Averager:
                 continue
             # While a table grows, its old memory is still in use.
             if 3 * own.room_with(len(table)) > self._most / len(self._tables) and len(own):
-                self._sink(group, own.taken())
+                self._pass_on(group, own)
             own.add_cells(table)
 
     def finish(self) -> int:
         """Pass all remaining averages on, and return the number of samples that all averages are made of."""
         for group in sorted(self._tables, key=lambda group: (group.band.number, group.pair)):
-            if len(table := self._tables[group]):
-                self._sink(group, table.taken())
+            self._pass_on(group, self._tables[group])
         return self._samples
 
+    def _pass_on(self, group: Group, table: CellTable) -> None:
+        for averages in table.taken():
+            self._sink(group, averages)
+
     def _tasks(self, chunks: Iterable[Visibilities], pairs: DishPairs) -> Iterator["_Task"]:
-        for seen in map(screened, chunks):
+        for seen in blocks_of(map(screened, chunks)):
             self._samples += int(np.count_nonzero(seen.weights > 0))
             bands = SubBand.of_channels(seen.frequency)
             for pair, part in pairs.divided(seen).items():
@@ -146,7 +150,7 @@ def _added(task: _Task) -> _Full:
     while (row := task.table.add(task.rows, row)) < len(task.rows):
         # While a table grows, its old memory is still in use.
         if 3 * task.table.room > task.most and len(task.table):
-            full.append(task.table.taken())
+            full += task.table.taken()
         else:
             task.table.grow()
     return full

@@ -1,24 +1,25 @@
 """Sums over the samples in each cell of (u, v, w), and the averages that they give."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final, Self, TypeAlias
 
 import numpy as np
 
-from uvshear.averaging import kernels
+from uvshear.averaging import cell_sums, kernels
 from uvshear.averaging.cells import Cells
+from uvshear.averaging.nodes.cell_nodes import Nodes
 from uvshear.averaging.sub_bands import SubBand
 from uvshear.errors import InputError
-from uvshear.interferometer.averaged_rows import MOMENTS, AveragedRows
+from uvshear.interferometer.averaged_rows import FOURTH, SECOND, AveragedRows
 from uvshear.interferometer.visibilities import Visibilities
 from uvshear.typing import Array, Complex, Float, Int
 
-COLUMNS: Final = 16
-"""Number of weighted sums of a cell: of 1, of the real and imaginary parts of the visibility, of three coordinates and
-their six products, of the frequency, of Δν/ν, and of the time and the length of the integration."""
-
-BYTES_PER_CELL: Final = 8 * COLUMNS + 8 + 2 * 4
+BYTES_PER_CELL: Final = 8 * cell_sums.COLUMNS + 8 + 2 * 4
 """Memory of a cell: its sums, its key, and two hashes."""
+
+CELLS_AT_A_TIME: Final = 2**17
+"""Number of cells whose averages are made together, which take some 80 MB."""
 
 SMALLEST: Final = 2**12
 """Number of cells for which a table has room at first."""
@@ -65,25 +66,31 @@ class RowsToAverage:
         Baselines [m].
     integrations
         Time and length of each integration [s]; 0 where they are not known.
+    order
+        Rows, one baseline after the other where these are known. Successive integrations of a baseline often lie in the
+        same cells.
     """
 
     seen: Visibilities
     uvw: Float[Array, "row 3"]
     integrations: Float[Array, "row 2"]
+    order: Int[Array, " row"]
 
     @classmethod
     def from_visibilities(cls, seen: Visibilities) -> Self:
         """Prepare some rows."""
         integrations, taken = np.zeros((len(seen), 2)), seen.integrations
+        order = np.arange(len(seen))
         if taken is not None:
             integrations = np.column_stack([taken.time, taken.interval]).astype(float)
-        return cls(seen, np.ascontiguousarray(seen.uvw, float), integrations)
+            order = np.lexsort(taken.antennas.T)
+        return cls(seen, np.ascontiguousarray(seen.uvw, float), integrations, order)
 
     def __len__(self) -> int:
         return len(self.seen)
 
 
-_State: TypeAlias = tuple[SubBand, Array, Array, Array]
+_State: TypeAlias = tuple[SubBand, Cells, Array, Array]
 """A table on its way to another process: its sub-band, the sizes of its cells, their keys and their sums."""
 
 
@@ -103,17 +110,16 @@ class CellTable:
     _places: Int[Array, " hash"]
 
     def __init__(self, cells: Cells, band: SubBand) -> None:
-        self._band, self._count = band, 0
-        self._size = np.array([cells.uv, cells.w]) * band.metres
+        self._band, self._cells, self._count = band, cells, 0
         self._reset(SMALLEST)
 
     def __getstate__(self) -> _State:
         """Leave out the memory that holds no cell, and the hashes."""
-        return self._band, self._size, self._keys[: self._count], self._sums[: self._count]
+        return self._band, self._cells, self._keys[: self._count], self._sums[: self._count]
 
     def __setstate__(self, state: _State) -> None:
         """Take over cells; hashes are worked out when others are added to them."""
-        self._band, self._size, keys, sums = state
+        self._band, self._cells, keys, sums = state
         self._keys, self._sums = keys, sums
         self._count, self._places = len(self._keys), np.empty(0, np.int32)
 
@@ -121,12 +127,20 @@ class CellTable:
         return self._count
 
     @property
+    def _size(self) -> Float[Array, " 2"]:
+        """Sizes along (u, v) and w [m], at the middle of the band."""
+        return np.array([self._cells.uv, self._cells.w]) * self._band.metres
+
+    @property
     def room(self) -> int:
         """Number of cells for which there is memory."""
         return len(self._keys)
 
     def add(self, rows: RowsToAverage, first: int) -> int:
-        """Add the samples of the sub-band from a row on, and return the first row for which there was no room."""
+        """Add the samples of the sub-band, from a place in the order of the rows on.
+
+        Returns the first place for which there was no room.
+        """
         seen = rows.seen
         chosen = self._band.channels(seen.frequency)
         if not len(chosen):
@@ -136,6 +150,7 @@ class CellTable:
         frequency = seen.frequency[chosen]
         row, self._count = kernels.add_samples(
             first,
+            rows.order,
             rows.uvw,
             rows.integrations,
             seen.stokes_i,
@@ -184,35 +199,46 @@ class CellTable:
         self._count = count
         kernels.rehash(self._keys, count, self._places)
 
-    def taken(self) -> Averages:
-        """Return the averages of all cells, in the order in which these were met, and empty the table."""
+    def taken(self) -> Iterator[Averages]:
+        """Empty the table, and yield the averages of all cells in the order in which these were met."""
         keys, sums = self._keys[: self._count], self._sums[: self._count]
         self._reset(SMALLEST)
-        weight = sums[:, 0]
-        mean = sums / weight[:, None]
+        for start in range(0, len(keys), CELLS_AT_A_TIME):
+            some = slice(start, start + CELLS_AT_A_TIME)
+            yield self._averages(keys[some], sums[some])
+
+    def _averages(self, keys: Int[Array, " cell"], sums: Float[Array, "cell sum"]) -> Averages:
+        nodes = Nodes.of_cells(sums, self._cells.smallest_scatter)
         indices = np.empty((len(keys), 3))
         kernels.cell_indices(keys, indices)
         size = self._size[[0, 0, 1]]
-        products = np.stack([mean[:, 3 + a] * mean[:, 3 + b] for a, b in MOMENTS], axis=-1)
-        covariance = mean[:, 6:12] - products
-        # Rounding must not make variances negative.
-        for number, (a, b) in enumerate(MOMENTS):
-            if a == b:
-                covariance[:, number] = np.maximum(covariance[:, number], 0.0)
-        frequency = mean[:, 12] * self._band.frequency
+        weight, frequency = sums[:, cell_sums.WEIGHT], nodes.frequency * self._band.frequency
+        width, time, interval = (
+            (sums[:, column] / weight)[nodes.cell]
+            for column in (cell_sums.RELATIVE_WIDTH, cell_sums.TIME, cell_sums.INTERVAL)
+        )
+        to_second, to_fourth = (
+            np.array([np.prod(size[list(place)]) for place in places])
+            for places in (SECOND, FOURTH)
+        )
         return Averages(
-            uvw=indices * size + mean[:, 3:6],
-            stokes_i=(mean[:, 1] + 1j * mean[:, 2]).astype(np.complex64),
-            weights=weight.copy(),
-            time=mean[:, 14],
-            interval=mean[:, 15],
-            rows=AveragedRows(frequency, mean[:, 13] * frequency, covariance),
+            uvw=(indices[nodes.cell] + nodes.place) * size,
+            stokes_i=nodes.stokes_i.astype(np.complex64),
+            weights=nodes.share * weight[nodes.cell],
+            time=time,
+            interval=interval,
+            rows=AveragedRows(
+                frequency,
+                width * frequency,
+                (nodes.second * to_second).astype(np.float32),
+                (nodes.fourth * to_fourth).astype(np.float32),
+            ),
         )
 
     def _reset(self, room: int) -> None:
         self._count = 0
         self._keys = np.empty(room, np.int64)
-        self._sums = np.empty((room, COLUMNS))
+        self._sums = np.empty((room, cell_sums.COLUMNS))
         self._places = np.full(2 * room, -1, np.int32)
 
     def _check(self, seen: Visibilities, first: int) -> None:

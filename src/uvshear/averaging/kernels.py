@@ -1,7 +1,7 @@
 """Numba kernels of the sums over cells of (u, v, w).
 
 A table of cells is an open-addressing hash table: ``places`` holds the number of a cell or -1 in each slot. The cells
-are numbered in the order in which they are met. Columns of ``sums`` are those of ``cell_table.COLUMNS``.
+are numbered in the order in which they are met. The columns of ``sums`` are listed in ``cell_sums``.
 """
 
 import math
@@ -43,6 +43,7 @@ def find_cell(key, places, keys, count):  # type: ignore[no-untyped-def]
 @compiled
 def add_samples(  # type: ignore[no-untyped-def]
     first,
+    order,
     uvw,
     integrations,
     vis,
@@ -56,12 +57,14 @@ def add_samples(  # type: ignore[no-untyped-def]
     sums,
     count,
 ):
-    """Add samples to their cells, row by row, from row ``first`` on, while there is room for a row of new cells.
+    """Add samples to their cells, row by row, while there is room for a row of new cells.
 
     Parameters
     ----------
     first
-        First row to add.
+        First place in ``order`` of which the row is added.
+    order
+        Rows in the order in which they are added. It is fast if neighbours lie in the same cells.
     uvw
         Baselines [m].
     integrations
@@ -82,12 +85,16 @@ def add_samples(  # type: ignore[no-untyped-def]
     Returns
     -------
     int, int
-        The first row that was not added, and the number of cells.
+        The first place of which the row was not added, and the number of cells.
     """
     capacity = len(keys)
-    for row in range(first, len(uvw)):
+    last = np.full(chosen.size, -1, np.int64)
+    per_uv, per_w = 1 / size[0], 1 / size[1]
+    for at in range(first, len(order)):
         if count + chosen.size > capacity:
-            return row, count
+            return at, count
+        row = order[at]
+        time, interval = integrations[row, 0], integrations[row, 1]
         for k in range(chosen.size):
             weight = np.float64(weights[row, chosen[k]])
             if not weight > 0:
@@ -95,38 +102,80 @@ def add_samples(  # type: ignore[no-untyped-def]
             scale = per_metre[k]
             u, v, w = uvw[row, 0] * scale, uvw[row, 1] * scale, uvw[row, 2] * scale
             value = vis[row, chosen[k]]
-            re, im = np.float64(value.real), np.float64(value.imag)
+            re, im = weight * np.float64(value.real), weight * np.float64(value.imag)
             # The visibility of the opposite baseline is the conjugate.
             if v < 0 or (v == 0 and u < 0):
                 u, v, w, im = -u, -v, -w, -im
-            i, j, l = round(u / size[0]), round(v / size[0]), round(w / size[1])
+            u, v, w = u * per_uv, v * per_uv, w * per_w
+            i, j, l = round(u), round(v), round(w)
             key = (((np.int64(i) + _AXIS) << 24 | (np.int64(j) + _AXIS)) << 16) | (
                 np.int64(l) + _W_AXIS
             )
-            cell = find_cell(key, places, keys, count)
-            if cell == count:
-                keys[cell] = key
-                sums[cell] = 0
-                count += 1
-            du, dv, dw = u - i * size[0], v - j * size[0], w - l * size[1]
+            cell = last[k]
+            if cell < 0 or keys[cell] != key:
+                cell = np.int64(find_cell(key, places, keys, count))
+                last[k] = cell
+                if cell == count:
+                    keys[cell] = key
+                    sums[cell] = 0
+                    count += 1
+            u, v, w = u - i, v - j, w - l
             s = sums[cell]
             s[0] += weight
-            s[1] += weight * re
-            s[2] += weight * im
-            s[3] += weight * du
-            s[4] += weight * dv
-            s[5] += weight * dw
-            s[6] += weight * du * du
-            s[7] += weight * du * dv
-            s[8] += weight * du * dw
-            s[9] += weight * dv * dv
-            s[10] += weight * dv * dw
-            s[11] += weight * dw * dw
-            s[12] += weight * scale
-            s[13] += weight * relative_width[k]
-            s[14] += weight * integrations[row, 0]
-            s[15] += weight * integrations[row, 1]
-    return len(uvw), count
+            s[1] += re
+            s[2] += im
+            s[3] += re * u
+            s[4] += im * u
+            s[5] += re * v
+            s[6] += im * v
+            s[7] += re * w
+            s[8] += im * w
+            pu, pv, pw = weight * u, weight * v, weight * w
+            s[9] += pu
+            s[10] += pv
+            s[11] += pw
+            puu, puv, puw, pvv, pvw, pww = pu * u, pu * v, pu * w, pv * v, pv * w, pw * w
+            s[12] += puu
+            s[13] += puv
+            s[14] += puw
+            s[15] += pvv
+            s[16] += pvw
+            s[17] += pww
+            puuu, puuv, puuw, puvv, puvw = puu * u, puu * v, puu * w, puv * v, puv * w
+            puww, pvvv, pvvw, pvww, pwww = puw * w, pvv * v, pvv * w, pvw * w, pww * w
+            s[18] += puuu
+            s[19] += puuv
+            s[20] += puuw
+            s[21] += puvv
+            s[22] += puvw
+            s[23] += puww
+            s[24] += pvvv
+            s[25] += pvvw
+            s[26] += pvww
+            s[27] += pwww
+            s[28] += puuu * u
+            s[29] += puuu * v
+            s[30] += puuu * w
+            s[31] += puuv * v
+            s[32] += puuv * w
+            s[33] += puuw * w
+            s[34] += puvv * v
+            s[35] += puvv * w
+            s[36] += puvw * w
+            s[37] += puww * w
+            s[38] += pvvv * v
+            s[39] += pvvv * w
+            s[40] += pvvw * w
+            s[41] += pvww * w
+            s[42] += pwww * w
+            s[43] += weight * scale
+            s[44] += pu * scale
+            s[45] += pv * scale
+            s[46] += pw * scale
+            s[47] += weight * relative_width[k]
+            s[48] += weight * time
+            s[49] += weight * interval
+    return len(order), count
 
 
 @compiled

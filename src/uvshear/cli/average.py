@@ -56,11 +56,10 @@ def average(
         typer.Option(
             callback=positive,
             rich_help_panel=METHOD,
-            help="Error of the modelled loss, as a fraction of the flux of a source on the edge of the field. By"
-            " default the errors of shapes grow by up to 3 % there; with 3e-6 they grow by 0.1 %, and there are about"
-            " four times as many rows.",
+            help="Rms change of the shape of a source on the edge of the field, over its error. Half of it leaves about"
+            " twice as many rows.",
         ),
-    ] = 2.5e-4,
+    ] = 0.08,
     column: ColumnOption = "DATA",
     subtract: SubtractOption = None,
     field: FieldOption = None,
@@ -80,9 +79,9 @@ def average(
         ),
     ] = None,
 ) -> None:
-    """Average visibilities over cells of (u, v, w), and write a Measurement Set with a row for each cell.
+    """Average visibilities over cells of (u, v, w), and write a Measurement Set with one to four rows for each cell.
 
-    All samples in a cell become one row, whatever their antennas, times, channels and sets; only sub-bands of 10 % and
+    All samples in a cell are averaged, whatever their antennas, times, channels and sets; only sub-bands of 10 % and
     pairs of different dishes stay apart. `measure` models the loss of amplitude in the cells. Other programs can image
     the set, but do not model this loss. UVW must not be recomputed, nor antennas be calibrated.
     """

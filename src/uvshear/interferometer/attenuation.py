@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from uvshear.geometry.directions import n_minus_one
-from uvshear.interferometer.averaged_rows import MOMENTS
+from uvshear.interferometer.averaged_rows import FOURTH, SECOND, permutations_of
 from uvshear.interferometer.coverage import EARTH_ROTATION
 from uvshear.interferometer.kernels import (
     multiply_by_gaussian,
@@ -148,18 +148,18 @@ class _Averaged(AttenuatedSamples):
 
 @dataclass(frozen=True)
 class CellSmearing(PreparedAttenuation):
-    """Average over cells of (u, v, w), for samples that have second moments."""
+    """Average over cells of (u, v, w), for samples that are such averages (``AveragedRows``)."""
 
     def over(self, samples: Samples) -> AttenuatedSamples:
         """Return the attenuation of these samples, for many sources."""
-        return _Scattered(samples.covariance)
+        return _Scattered(samples.scatter)
 
 
 @dataclass(frozen=True)
 class _Scattered(AttenuatedSamples):
-    """Average over baselines with these second moments [wavelengths^2]."""
+    """Average over baselines with these moments [wavelengths^2, wavelengths^4]."""
 
-    covariance: Float[Array, "sample moment"]
+    scatter: Float[Array, "sample moment"]
 
     def multiply(
         self,
@@ -167,13 +167,16 @@ class _Scattered(AttenuatedSamples):
         l: Float[Array, " source"],
         m: Float[Array, " source"],
     ) -> None:
-        if not self.covariance.shape[1]:
+        if not self.scatter.shape[1]:
             return
         with np.errstate(invalid="ignore"):  # beyond the horizon
             directions = np.stack([l, m, n_minus_one(l, m)], axis=-1)
-        form = np.stack([directions[:, a] * directions[:, b] for a, b in MOMENTS], axis=-1)
-        twice = np.array([1.0 if a == b else 2.0 for a, b in MOMENTS])
-        multiply_by_gaussian(self.covariance, -2 * math.pi**2 * form * twice, factors)
+        places = [*SECOND, *FOURTH]
+        orders = np.array([permutations_of(place) for place in places], float)
+        form = np.stack(
+            [math.prod(2 * math.pi * directions[:, a] for a in place) for place in places], axis=-1
+        )
+        multiply_by_gaussian(self.scatter, -form * orders / 2, factors)
 
 
 @dataclass(frozen=True)

@@ -34,9 +34,9 @@ class Samples:
         Time that the sample was averaged over [s]; 0 where nothing was averaged.
     antennas
         Numbers of ANTENNA1 and ANTENNA2; -1 where they are not known.
-    covariance
-        Second moments (``averaged_rows.MOMENTS``) of the baselines of which each sample is an average, about their mean
-        [wavelengths^2]; no columns where samples are no such averages.
+    scatter
+        Coefficients of second and then of fourth degree (``AveragedRows``) of the baselines of which each sample is an
+        average [wavelengths^2, wavelengths^4]; no columns where samples are no such averages.
     """
 
     uvw: Float[Array, "sample 3"]
@@ -46,13 +46,13 @@ class Samples:
     bandwidth: Float[Array, " sample"]
     interval: Float[Array, " sample"]
     antennas: Int[Array, "sample 2"]
-    covariance: Float[Array, "covered moment"] = field(
+    scatter: Float[Array, "covered moment"] = field(
         default_factory=lambda: np.zeros((0, 0), np.float32)
     )
 
     def __post_init__(self) -> None:
-        if len(self.covariance) != len(self.uvw):
-            object.__setattr__(self, "covariance", np.zeros((len(self.uvw), 0), np.float32))
+        if len(self.scatter) != len(self.uvw):
+            object.__setattr__(self, "scatter", np.zeros((len(self.uvw), 0), np.float32))
 
     def __len__(self) -> int:
         return len(self.uvw)
@@ -75,10 +75,12 @@ class Samples:
         if averages is None:
             frequency = visibilities.frequency[chan]
             width = nothing if visibilities.width is None else visibilities.width[chan]
-            covariance = nothing[:, None][:, :0]
+            scatter = nothing[:, None][:, :0]
         else:
             frequency, width = averages.frequency[row], averages.width[row]
-            covariance = averages.covariance[row] * (in_wavelengths**2)[:, None]
+            second, fourth = averages.second[row], averages.fourth[row]
+            square = (in_wavelengths**2)[:, None]
+            scatter = np.concatenate([second * square, fourth * square**2], axis=1)
         return cls(
             uvw=visibilities.uvw[row] * in_wavelengths[:, None],
             stokes_i=visibilities.stokes_i[row, chan].astype(np.complex64, copy=False),
@@ -93,7 +95,7 @@ class Samples:
                 if integrations is None
                 else integrations.antennas[row].astype(np.int16)
             ),
-            covariance=covariance.astype(np.float32, copy=False),
+            scatter=scatter.astype(np.float32, copy=False),
         )
 
     @classmethod

@@ -24,7 +24,7 @@ ABOUT = AveragedField(
     PhaseCentre(0.3, -0.5),
     PhaseCentre(0.3, -0.501),
     DishPairs.from_diameters([np.array([13.5, 15.0, 15.0])])[0],
-    Cells(33.0, 1e4),
+    Cells(33.0, 1e4, 0.46),
 )
 
 
@@ -40,6 +40,7 @@ def _averages(rows: int, seed: int) -> Averages:
             rng.uniform(0.9e9, 1.3e9, rows),
             rng.uniform(1e5, 1e6, rows),
             rng.uniform(0, 30, (rows, 6)),
+            rng.uniform(0, 900, (rows, 15)),
         ),
     )
 
@@ -74,7 +75,7 @@ def test_what_is_read_is_what_was_written(path):
             read = np.concatenate([np.atleast_2d(getattr(chunk, name).T).T for chunk in found])
             written = np.concatenate([getattr(averages, name) for averages in expected])
             np.testing.assert_allclose(read.squeeze(), written, rtol=1e-6)
-        for name in ("frequency", "width", "covariance"):
+        for name in ("frequency", "width", "second", "fourth"):
             read = np.concatenate([getattr(chunk.averages, name) for chunk in found])
             written = np.concatenate([getattr(averages.rows, name) for averages in expected])
             np.testing.assert_allclose(read, written, rtol=1e-6)
@@ -89,7 +90,8 @@ def test_samples_have_baselines_and_moments_in_wavelengths_and_their_own_frequen
     samples = Samples.from_visibilities(chunk, 0, np.inf)
     scale = chunk.frequency[0] / SPEED_OF_LIGHT
     np.testing.assert_allclose(samples.uvw, chunk.uvw * scale)
-    np.testing.assert_allclose(samples.covariance, chunk.averages.covariance * scale**2, rtol=1e-6)
+    np.testing.assert_allclose(samples.scatter[:, :6], chunk.averages.second * scale**2, rtol=1e-6)
+    np.testing.assert_allclose(samples.scatter[:, 6:], chunk.averages.fourth * scale**4, rtol=1e-6)
     np.testing.assert_array_equal(samples.frequency, chunk.averages.frequency)
     np.testing.assert_allclose(samples.bandwidth, chunk.averages.width, rtol=1e-6)
 

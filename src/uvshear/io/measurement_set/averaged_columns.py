@@ -13,19 +13,24 @@ FREQUENCY: Final = "UVSHEAR_FREQUENCY"
 WIDTH: Final = "UVSHEAR_WIDTH"
 """Mean of Δν/ν of the samples times their mean frequency [Hz]."""
 
-COVARIANCE: Final = "UVSHEAR_COVARIANCE"
+SECOND: Final = "UVSHEAR_SECOND"
 """Second moments of UVW: uu, uv, uw, vv, vw, ww [m^2]."""
+
+FOURTH: Final = "UVSHEAR_FOURTH"
+"""Coefficients of the loss beyond them: uuuu, uuuv, uuuw, uuvv, uuvw, uuww, uvvv, uvvw, uvww, uwww, vvvv, vvvw, vvww,
+vwww, wwww [m^4]."""
 
 
 def has_averages(main: tables.table) -> bool:
     """Tell whether the rows of a set are such averages."""
-    return {FREQUENCY, WIDTH, COVARIANCE} <= set(main.colnames())
+    return {FREQUENCY, WIDTH, SECOND, FOURTH} <= set(main.colnames())
 
 
 def read_averages(main: tables.table, start: int, count: int) -> AveragedRows:
     """Read the columns of some rows."""
-    frequency, width, covariance = (
-        np.asarray(main.getcol(name, start, count), float)
-        for name in (FREQUENCY, WIDTH, COVARIANCE)
+    return AveragedRows(
+        *(
+            np.asarray(main.getcol(name, start, count))
+            for name in (FREQUENCY, WIDTH, SECOND, FOURTH)
+        )
     )
-    return AveragedRows(frequency, width, covariance)

@@ -1,8 +1,8 @@
 """Write averages over cells of (u, v, w) as a Measurement Set that other programs can image.
 
 Each row has one channel, in the spectral window of its sub-band, and one correlation, Stokes I. Baselines are in metres
-at the frequency of the sub-band. Three columns are this package's own: the mean frequency and width of the samples of
-each row, and their second moments. There are two antennas for each kind of dish, which stand for all of that kind.
+at the frequency of the sub-band. Four columns are this package's own: the mean frequency and width of the samples of
+each row, and two columns of moments. There are two antennas for each kind of dish, which stand for all of that kind.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,7 +22,7 @@ from uvshear.averaging.dish_pairs import DishPairs
 from uvshear.averaging.sub_bands import RATIO, SubBand
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.stokes import STOKES_I
-from uvshear.io.measurement_set.averaged_columns import COVARIANCE, FREQUENCY, WIDTH
+from uvshear.io.measurement_set.averaged_columns import FOURTH, FREQUENCY, SECOND, WIDTH
 from uvshear.io.measurement_set.subtables import TOPOCENTRIC, fill_subtable
 from uvshear.io.measurement_set.writer import (
     SAME_SHAPE_COLUMNS,
@@ -44,7 +44,8 @@ _TILED: Final[dict[str, tuple[Any, str, list[int], int]]] = {
     "WEIGHT": (0.0, "float", [1], 4),
     "SIGMA": (0.0, "float", [1], 4),
     "UVW": (0.0, "double", [3], 8),
-    COVARIANCE: (0.0, "float", [6], 4),
+    SECOND: (0.0, "float", [6], 4),
+    FOURTH: (0.0, "float", [15], 4),
 }
 """For each tiled column: an example of a number, its type, the shape of the column's values, and bytes per number."""
 
@@ -149,7 +150,8 @@ def _columns(averages: Averages, rows: slice) -> dict[str, object]:
         "INTERVAL": averages.interval[rows],
         FREQUENCY: averages.rows.frequency[rows],
         WIDTH: averages.rows.width[rows],
-        COVARIANCE: averages.rows.covariance[rows].astype(np.float32),
+        SECOND: averages.rows.second[rows].astype(np.float32),
+        FOURTH: averages.rows.fourth[rows].astype(np.float32),
         "UVW": averages.uvw[rows],
         "DATA": averages.stokes_i[rows][:, None, None],
         "FLAG": np.zeros((len(weights), 1, 1), bool),
@@ -167,7 +169,7 @@ def _create(path: Path, about: AveragedField) -> None:
             description |= tables.maketabdesc(
                 tables.makearrcoldesc(name, example, ndim=len(shape), valuetype=kind)
             )
-        if name in SAME_SHAPE_COLUMNS or name == COVARIANCE:
+        if name in SAME_SHAPE_COLUMNS or name in {SECOND, FOURTH}:
             description[name] |= {"option": 5, "shape": shape, "ndim": len(shape)}
         else:
             description[name] |= {"option": 4, "shape": shape, "ndim": len(shape)}
