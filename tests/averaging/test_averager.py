@@ -92,7 +92,11 @@ def test_rows_are_the_nodes_of_the_samples_of_each_cell() -> None:
             )
             size = np.array([CELLS.uv, CELLS.uv, CELLS.w])
             shares, mean, values, moments = nodes_of_samples(
-                place / size, weight, np.column_stack([value, frequency]), CELLS.smallest_scatter
+                place / size,
+                weight,
+                np.column_stack([value, frequency]),
+                CELLS.smallest_scatter,
+                turned=sum(cell) % 2 == 1,
             )
             rows = slice(row, row := row + len(shares))
             ranks[len(shares)] += 1

@@ -22,6 +22,22 @@ def own_sum(shared: np.ndarray, task: int) -> float:
     return float(np.sum(np.sin(shared * task)))
 
 
+def read(task: int) -> np.ndarray:
+    """Stand for the data of a partition."""
+    return np.arange(task, task + 3.0)
+
+
+def waves_of_data(shared: np.ndarray, task: int, data: np.ndarray) -> np.ndarray:
+    """Do the same as ``waves``, and check the data."""
+    np.testing.assert_array_equal(data, read(task))
+    return waves(shared, task)
+
+
+def failing_of_data(shared: None, task: int, data: np.ndarray) -> float:
+    """Do the same as ``failing``."""
+    return failing(shared, int(data[0]))
+
+
 def waves(shared: np.ndarray, task: int) -> np.ndarray:
     return np.sin(shared * (task + 1))
 

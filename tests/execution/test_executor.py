@@ -111,7 +111,7 @@ def test_sums_over_partitions_agree_bit_by_bit(executor: Executor, number: int) 
     expected = Serial().sum_partitions(work.waves, work.added, shared, range(number))
     found = executor.sum_partitions(work.waves, work.added, shared, range(number))
     assert found.tobytes() == expected.tobytes()
-    one_by_one = list(executor.in_partitions(work.waves, shared, range(number)))
+    one_by_one = list(executor.in_partitions(work.read, work.waves_of_data, shared, range(number)))
     np.testing.assert_allclose(np.sum(one_by_one, axis=0), found, rtol=1e-12, atol=1e-12)
 
 
@@ -120,4 +120,4 @@ def test_the_error_of_a_partition_reaches_the_caller(executor: Executor) -> None
     with pytest.raises(ValueError, match="task 3"):
         executor.sum_partitions(work.failing, work.added, None, range(9))
     with pytest.raises(ValueError, match="task 3"):
-        list(executor.in_partitions(work.failing, None, range(9)))
+        list(executor.in_partitions(work.read, work.failing_of_data, None, range(9)))

@@ -22,7 +22,7 @@ def whitened(place, share, smallest):
     return np.array(functions).T.reshape(len(place), -1)
 
 
-def nodes_of_samples(place, weight, values, smallest):
+def nodes_of_samples(place, weight, values, smallest, turned=False):
     """Return the nodes' shares of the weight, places, means of each column of values, and second moments."""
     share = weight / weight.sum()
     z = whitened(place, share, smallest)
@@ -35,7 +35,7 @@ def nodes_of_samples(place, weight, values, smallest):
         at = np.sort(np.roots([1.0, -skew, -1.0]))[::-1, None]
         shares = 1 / (1 + at[:, 0] ** 2)
     else:
-        at = (TRIANGLE, TETRAHEDRON)[rank - 2]
+        at = (TRIANGLE, TETRAHEDRON)[rank - 2] * (-1 if turned else 1)
         shares = np.full(rank + 1, 1 / (rank + 1))
     weights = share * (1 + at @ z.T)
     mean = weights @ place
@@ -43,7 +43,7 @@ def nodes_of_samples(place, weight, values, smallest):
     return shares, mean, weights @ values, np.array(moments)
 
 
-def squared_loss(place, weight, smallest, direction):
+def squared_loss(place, weight, smallest, direction, turned=False):
     """Return the loss of squared amplitude, to fourth order, beyond what the second moments of the nodes tell."""
     share = weight / weight.sum()
     phase = (place - share @ place) @ direction
@@ -51,6 +51,8 @@ def squared_loss(place, weight, smallest, direction):
     design = np.sqrt(share)[:, None] * np.column_stack([np.ones(len(place)), z])
     target = np.sqrt(share) * phase**2 / 2
     rest = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
-    shares, _, _, moments = nodes_of_samples(place, weight, np.zeros((len(place), 0)), smallest)
+    shares, _, _, moments = nodes_of_samples(
+        place, weight, np.zeros((len(place), 0)), smallest, turned
+    )
     second = np.einsum("kab,a,b->k", moments, direction, direction)
     return rest @ rest + shares @ second**2 / 2

@@ -107,7 +107,7 @@ class Averager:
         return self._samples
 
     def _pass_on(self, group: Group, table: CellTable) -> None:
-        for averages in table.taken():
+        for averages in self._executor.map(lambda make: make(), table.taken_in_parts()):
             self._sink(group, averages)
 
     def _tasks(self, chunks: Iterable[Visibilities], pairs: DishPairs) -> Iterator["_Task"]:

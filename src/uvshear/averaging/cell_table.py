@@ -1,7 +1,8 @@
 """Sums over the samples in each cell of (u, v, w), and the averages that they give."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Final, Self, TypeAlias
 
 import numpy as np
@@ -201,16 +202,22 @@ class CellTable:
 
     def taken(self) -> Iterator[Averages]:
         """Empty the table, and yield the averages of all cells in the order in which these were met."""
+        return (make() for make in self.taken_in_parts())
+
+    def taken_in_parts(self) -> Iterator[Callable[[], Averages]]:
+        """Do the same with functions that make averages, which may be called side by side."""
         keys, sums = self._keys[: self._count], self._sums[: self._count]
         self._reset(SMALLEST)
         for start in range(0, len(keys), CELLS_AT_A_TIME):
             some = slice(start, start + CELLS_AT_A_TIME)
-            yield self._averages(keys[some], sums[some])
+            yield partial(self._averages, keys[some], sums[some])
 
     def _averages(self, keys: Int[Array, " cell"], sums: Float[Array, "cell sum"]) -> Averages:
-        nodes = Nodes.of_cells(sums, self._cells.smallest_scatter)
         indices = np.empty((len(keys), 3))
         kernels.cell_indices(keys, indices)
+        # Errors of third order then have opposite signs in neighbouring cells.
+        turned = indices.sum(axis=1) % 2 == 1
+        nodes = Nodes.of_cells(sums, self._cells.smallest_scatter, turned)
         size = self._size[[0, 0, 1]]
         weight, frequency = sums[:, cell_sums.WEIGHT], nodes.frequency * self._band.frequency
         width, time, interval = (

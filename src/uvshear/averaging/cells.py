@@ -6,8 +6,8 @@ from typing import Final, Self
 
 from uvshear.errors import InputError
 
-ACCURACY: Final = 0.08
-"""Default change of a shape at the edge of the field, over its error: half a cell turns the phase by 0.73 rad."""
+ACCURACY: Final = 0.06
+"""Default change of a shape at the edge of the field, over its error: half a cell turns the phase by 0.63 rad."""
 
 LEAST_ACCURATE: Final = 0.5
 """Largest change of a shape over its error that may be asked for: half a cell turns the phase by 1.5 rad."""

@@ -1,7 +1,7 @@
 """Averages of observations in files, one range of rows after the other or many at a time, with the same result."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from uvshear.averaging.averager import Averager, Group, PartialSums
@@ -9,7 +9,7 @@ from uvshear.averaging.cell_table import BYTES_PER_CELL, Averages
 from uvshear.averaging.cells import Cells
 from uvshear.averaging.dish_pairs import DishPairs
 from uvshear.errors import InputError
-from uvshear.execution import Resources
+from uvshear.execution import SERIAL, Resources
 from uvshear.interferometer.origin import origin_of
 from uvshear.interferometer.partitions import HasRows, RowRange, partitions_of
 from uvshear.interferometer.visibilities import Observation, Visibilities
@@ -48,8 +48,8 @@ def add_in_partitions(
 ) -> None:
     """Add all parts of an observation to the averages.
 
-    Workers of a cluster read and average a partition each. On a single machine all workers share the partition that is
-    being read. The sums of partitions are always added in the order of their rows.
+    Each worker averages a partition. On a single machine the partitions are read ahead, one after the other, and on a
+    cluster each worker reads its own. The sums of partitions are always added in the order of their rows.
     """
     most = int(min(SAMPLES, resources.memory / (6 * BYTES_PER_CELL)))
     partitions = [
@@ -59,8 +59,8 @@ def add_in_partitions(
     ]
     # Sums over a partition are held beside those over the earlier ones.
     share = resources.memory / min(2, len(partitions))
-    setting = _Setting(cells, replace(resources, memory=share))
-    found = resources.executor.in_partitions(_averaged, setting, partitions)
+    setting = _Setting(cells, Resources(SERIAL, share))
+    found = resources.executor.in_partitions(_read, _averaged, setting, partitions)
     samples = [0] * len(parts)
     for partition, (full, sums) in zip(partitions, found, strict=True):
         for group, averages in full:
@@ -86,8 +86,14 @@ def samples_to_average(part: Observation) -> Iterator[Visibilities]:
         yield seen
 
 
-def _averaged(setting: _Setting, partition: _Partition) -> tuple[_Full, PartialSums]:
+def _read(partition: _Partition) -> list[Visibilities]:
+    return list(samples_to_average(partition.rows))
+
+
+def _averaged(
+    setting: _Setting, partition: _Partition, chunks: list[Visibilities]
+) -> tuple[_Full, PartialSums]:
     full: _Full = []
     averager = Averager(setting.cells, lambda *averages: full.append(averages), setting.resources)
-    averager.add(samples_to_average(partition.rows), partition.pairs)
+    averager.add(chunks, partition.pairs)
     return full, averager.sums()

@@ -59,7 +59,7 @@ def average(
             help="Rms change of the shape of a source on the edge of the field, over its error. Half of it leaves about"
             " twice as many rows.",
         ),
-    ] = 0.08,
+    ] = 0.06,
     column: ColumnOption = "DATA",
     subtract: SubtractOption = None,
     field: FieldOption = None,

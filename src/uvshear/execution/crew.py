@@ -7,6 +7,7 @@ from typing import Any, Generic, TypeVar
 Task = TypeVar("Task")
 Shared = TypeVar("Shared")
 Result = TypeVar("Result")
+Data = TypeVar("Data")
 
 Map = Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]]
 """The map of an executor."""

@@ -3,10 +3,11 @@
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from uvshear.execution.cores import in_copies
-from uvshear.execution.crew import Crew, Result, Shared, Task
+from uvshear.execution.crew import Crew, Data, Result, Shared, Task
 from uvshear.execution.dask_calls import DaskCall
 from uvshear.execution.dask_sums import DaskSum
 from uvshear.execution.executor import Executor
@@ -63,12 +64,14 @@ class Dask(Executor):
 
     def in_partitions(
         self,
-        function: Callable[[Shared, Task], Result],
+        read: Callable[[Task], Data],
+        function: Callable[[Shared, Task, Data], Result],
         shared: Shared,
         partitions: Iterable[Task],
     ) -> Iterator[Result]:
-        """Yield the results, from the workers of the cluster, where this executor is ``Serial``."""
-        return DaskCall(self.client, function, shared, most_in_a_batch=1).results(partitions)
+        """Yield the results, from the workers of the cluster, which read the partitions."""
+        there = partial(_read_there, read, function)
+        return DaskCall(self.client, there, shared, most_in_a_batch=1).results(partitions)
 
     def sum_partitions(
         self,
@@ -93,3 +96,12 @@ class Dask(Executor):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Serial, ()
+
+
+def _read_there(
+    read: Callable[[Task], Data],
+    function: Callable[[Shared, Task, Data], Result],
+    shared: Shared,
+    partition: Task,
+) -> Result:
+    return function(shared, partition, read(partition))

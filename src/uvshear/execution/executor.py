@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext
 
-from uvshear.execution.crew import Crew, LocalCrew, Result, Shared, Task
+from uvshear.execution.crew import Crew, Data, LocalCrew, Result, Shared, Task
 from uvshear.execution.tree import tree_sum
 
 
@@ -65,18 +65,19 @@ class Executor(ABC):
 
     def in_partitions(
         self,
-        function: Callable[[Shared, Task], Result],
+        read: Callable[[Task], Data],
+        function: Callable[[Shared, Task, Data], Result],
         shared: Shared,
         partitions: Iterable[Task],
     ) -> Iterator[Result]:
-        """Yield ``function(shared, partition)`` for every partition of data that each worker can read by itself.
+        """Yield ``function(shared, partition, read(partition))`` for every partition of data in files.
 
-        Unless a subclass overrides this method, one partition follows the other in this process, and it is for the
-        function to occupy the workers of this executor. On a cluster each partition occupies one worker. ``function``
-        is defined at the top level of a module. ``shared``, which may contain this executor, partitions and results are
-        picklable.
+        Unless a subclass overrides this method, the caller reads ahead while the workers of :meth:`map` work. On a
+        cluster each worker reads. Both functions are defined at the top level of a module; ``shared``, partitions and
+        results are picklable.
         """
-        return (function(shared, partition) for partition in partitions)
+        tasks = ((partition, read(partition)) for partition in partitions)
+        return self.map(lambda task: function(shared, *task), tasks)
 
     def sum_partitions(
         self,
@@ -85,11 +86,14 @@ class Executor(ABC):
         shared: Shared,
         partitions: Iterable[Task],
     ) -> Result:
-        """Add up the results of :meth:`in_partitions` for one or more partitions, in the order of ``tree_sum``.
+        """Add up ``function(shared, partition)`` for one or more partitions, in the order of ``tree_sum``.
 
-        ``add(total, more)`` may change the total and return it. On a cluster the workers add, and send only the sum.
+        ``add(total, more)`` may change the total and return it. Unless a subclass overrides this method, one partition
+        follows the other in this process, and it is for the function to occupy the workers of this executor, which
+        ``shared`` may contain. On a cluster each partition occupies one worker, which reads it; the workers add, and
+        send only the sum.
         """
-        return tree_sum(self.in_partitions(function, shared, partitions), add)
+        return tree_sum((function(shared, partition) for partition in partitions), add)
 
     def crew(self, shared: Shared) -> AbstractContextManager[Crew[Shared]]:
         """Return workers that hold an object and are told how it changes.

@@ -27,6 +27,10 @@ def _sums(place, weight, vis, frequency):
     return np.array([[weight @ column for column in columns]])
 
 
+def _nodes(place, weight, vis, frequency, turned=False):
+    return Nodes.of_cells(_sums(place, weight, vis, frequency), SMALLEST, np.array([turned]))
+
+
 def _samples(count, rank, seed=1):
     rng = np.random.default_rng(seed)
     place = rng.uniform(-0.4, 0.4, (count, 3)) * (np.arange(3) < rank)
@@ -36,12 +40,12 @@ def _samples(count, rank, seed=1):
 
 
 @pytest.mark.parametrize("rank", [0, 1, 2, 3])
-@pytest.mark.parametrize("count", [5, 60])
-def test_nodes_are_those_of_the_samples(rank, count) -> None:
+@pytest.mark.parametrize(("count", "turned"), [(5, False), (60, True)])
+def test_nodes_are_those_of_the_samples(rank, count, turned) -> None:
     place, weight, vis, frequency = _samples(count, rank)
-    nodes = Nodes.of_cells(_sums(place, weight, vis, frequency), SMALLEST)
+    nodes = _nodes(place, weight, vis, frequency, turned)
     shares, mean, values, moments = nodes_of_samples(
-        place, weight, np.column_stack([vis, frequency]), SMALLEST
+        place, weight, np.column_stack([vis, frequency]), SMALLEST, turned
     )
     assert len(nodes.share) == rank + 1
     np.testing.assert_allclose(nodes.share, shares, atol=1e-12)
@@ -53,14 +57,14 @@ def test_nodes_are_those_of_the_samples(rank, count) -> None:
 
     for direction in np.random.default_rng(4).normal(size=(3, 3)):
         form = [permutations_of(one) * np.prod(direction[list(one)]) for one in FOURTH]
-        expected = squared_loss(place, weight, SMALLEST, direction)
+        expected = squared_loss(place, weight, SMALLEST, direction, turned)
         np.testing.assert_allclose(nodes.fourth @ form, expected, rtol=1e-7, atol=1e-12)
 
 
 @pytest.mark.parametrize("rank", [1, 2, 3])
 def test_nodes_keep_sums_up_to_linear_ones_and_moments_up_to_the_second(rank) -> None:
     place, weight, vis, frequency = _samples(40, rank)
-    nodes = Nodes.of_cells(_sums(place, weight, vis, frequency), SMALLEST)
+    nodes = _nodes(place, weight, vis, frequency)
     share = weight / weight.sum()
     assert nodes.share.sum() == pytest.approx(1, abs=1e-12)
     assert nodes.share @ nodes.stokes_i == pytest.approx(share @ vis, abs=1e-12)
@@ -77,11 +81,11 @@ def test_the_noise_of_nodes_is_independent_and_as_their_weights_say(rank) -> Non
     # The response of each node to each sample, by visibilities of 1 in a single sample.
     response = np.array(
         [
-            Nodes.of_cells(_sums(place, weight, one.astype(complex), frequency), SMALLEST).stokes_i
+            _nodes(place, weight, one.astype(complex), frequency).stokes_i
             for one in np.eye(len(place))
         ]
     ).real
-    nodes = Nodes.of_cells(_sums(place, weight, np.ones(12, complex), frequency), SMALLEST)
+    nodes = _nodes(place, weight, np.ones(12, complex), frequency)
     covariance = response.T @ (response / weight[:, None])
     expected = np.diag(1 / (nodes.share * weight.sum()))
     np.testing.assert_allclose(covariance, expected, atol=1e-12)
@@ -90,7 +94,7 @@ def test_the_noise_of_nodes_is_independent_and_as_their_weights_say(rank) -> Non
 def test_two_samples_are_their_own_nodes() -> None:
     place = np.array([[0.1, -0.3, 0.2], [-0.2, 0.4, 0.1]])
     weight, vis = np.array([0.3, 2.0]), np.array([1 + 2j, -0.5j])
-    nodes = Nodes.of_cells(_sums(place, weight, vis, np.array([0.97, 1.02])), SMALLEST)
+    nodes = _nodes(place, weight, vis, np.array([0.97, 1.02]))
     order = np.argsort(nodes.stokes_i.imag)[::-1]
     np.testing.assert_allclose(nodes.place[order], place, atol=1e-12)
     np.testing.assert_allclose(nodes.share[order], weight / weight.sum(), atol=1e-12)
@@ -102,7 +106,7 @@ def test_two_samples_are_their_own_nodes() -> None:
 def test_samples_closer_than_the_smallest_scatter_have_one_node() -> None:
     place, _, vis, frequency = _samples(30, 3)
     place *= 0.9 * np.sqrt(SMALLEST / np.var(place, axis=0, ddof=0).max())
-    nodes = Nodes.of_cells(_sums(place, np.ones(30), vis, frequency), SMALLEST)
+    nodes = _nodes(place, np.ones(30), vis, frequency)
     assert len(nodes.share) == 1
     assert nodes.stokes_i[0] == pytest.approx(vis.mean(), abs=1e-12)
     np.testing.assert_allclose(nodes.place[0], place.mean(axis=0), atol=1e-12)

@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 
 from uvshear.averaging.nodes.kernels import count_nodes, find_nodes
-from uvshear.typing import Array, Complex, Float, Int
+from uvshear.typing import Array, Bool, Complex, Float, Int
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,12 @@ class Nodes:
     fourth: Float[Array, "node 15"]
 
     @classmethod
-    def of_cells(cls, sums: Float[Array, "cell sum"], smallest_scatter: float) -> Self:
+    def of_cells(
+        cls,
+        sums: Float[Array, "cell sum"],
+        smallest_scatter: float,
+        turned: Bool[Array, " cell"],
+    ) -> Self:
         """Find the nodes from the sums over the cells (``cell_sums``).
 
         Parameters
@@ -47,6 +52,8 @@ class Nodes:
             Weighted sums.
         smallest_scatter
             Largest variance along a direction that gets no node of its own, in units of the squared size of a cell.
+        turned
+            Whether triangles and tetrahedra are turned to the opposite side.
         """
         counts = np.empty(len(sums), np.int64)
         count_nodes(sums, smallest_scatter, counts)
@@ -54,5 +61,7 @@ class Nodes:
         place, share, vis = np.empty((rows, 3)), np.empty(rows), np.empty((rows, 2))
         frequency, second, fourth = np.empty(rows), np.empty((rows, 6)), np.empty((rows, 15))
         cell = np.empty(rows, np.int64)
-        find_nodes(sums, smallest_scatter, place, share, vis, frequency, second, fourth, cell)
+        find_nodes(
+            sums, smallest_scatter, turned, place, share, vis, frequency, second, fourth, cell
+        )
         return cls(cell, place, share, vis.view(complex)[:, 0], frequency, second, fourth)

@@ -137,7 +137,7 @@ def _symmetric_square(form, number):  # type: ignore[no-untyped-def]
 
 @compiled
 def find_nodes(  # type: ignore[no-untyped-def]
-    sums, smallest, place, share, vis, frequency, second, fourth, cell_of
+    sums, smallest, turned, place, share, vis, frequency, second, fourth, cell_of
 ):
     """Write the nodes of all cells, one cell after the other.
 
@@ -147,6 +147,8 @@ def find_nodes(  # type: ignore[no-untyped-def]
         Sums over the samples of each cell.
     smallest
         Variance [cell^2] up to which the samples are not told apart along an axis.
+    turned
+        Whether the corners of a triangle or a tetrahedron are those opposite to the usual ones.
     place
         Coordinates of the nodes from the middles of their cells [cell].
     share
@@ -193,9 +195,9 @@ def find_nodes(  # type: ignore[no-untyped-def]
                 z[1, 0] = (skew - math.sqrt(skew * skew + 4)) / 2
                 z[0, 0] = -1 / z[1, 0]
         elif rank == 2:
-            z[:3, :2] = _TRIANGLE
+            z[:3, :2] = -_TRIANGLE if turned[cell] else _TRIANGLE
         else:
-            z[:] = _TETRAHEDRON
+            z[:] = -_TETRAHEDRON if turned[cell] else _TETRAHEDRON
         for node in range(rank + 1):
             share[row] = 1 / (1 + z[node, 0] ** 2) if rank == 1 else share_each
             re, im = sums[cell, _RE] / weight, sums[cell, _IM] / weight
