@@ -20,7 +20,7 @@ COMMANDS = {
         "measure FIELD --catalogue CAT --keep moments -o s.fits --residual-image i.fits --log run.log",
         ("first pass", "major cycle 1", "minor cycle 1", "statistics", "residual image"),
     ),
-    "simulate": (SIMULATE, ("simulation",)),
+    "simulate": (SIMULATE, ("coverage", "preparation", "prediction", "writing")),
     "average": ("average FIELD --field-arcmin 4 -o a.ms --log run.log", ("averaging", "writing")),
     "bias": (
         "bias --estimator moments --galaxies 100 --integration-s 3600 -o b.json --log run.log",
