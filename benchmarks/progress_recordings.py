@@ -1,10 +1,12 @@
 """Recordings of what long work reports about its progress, on which ``tests/progress/test_time_left.py`` replays it.
 
-    python benchmarks/progress_recordings.py --folder FOLDER [NAME ...]
+    python benchmarks/progress_recordings.py --folder FOLDER [--cpu-time] [NAME ...]
 
 writes ``tests/progress/recordings/NAME.json`` for each of the named works, or for all of them: how long the work took,
-and every report with its time [s]. Of the reports within a stage, those are kept that are a hundredth of the run apart.
-The fields are simulated in FOLDER once. The machine should have nothing else to do.
+and every report with its time [s]. Of the reports within a stage, the first two are kept, and those that are a
+hundredth of the run apart.
+The fields are simulated in FOLDER once. The machine should have nothing else to do; if it has, --cpu-time counts the
+CPU time of simulations by one worker, which compute in this process alone and one step after the other.
 """
 
 import argparse
@@ -25,6 +27,9 @@ from uvshear.progress import Observer, Stage
 PARTS = 100
 """Number of parts of a run of which each has a report at most, besides the beginnings and the ends of the stages."""
 
+FIRST = 2
+"""Number of the first reports of a stage, from which its rate is known."""
+
 RECORDINGS = Path(__file__).parents[1] / "tests" / "progress" / "recordings"
 
 Event = list[Any]
@@ -35,11 +40,23 @@ Work: TypeAlias = Callable[[Observer], object]
 
 
 class Recorder(Observer):
-    """Writes down every report with its time."""
+    """Writes down every report with its time.
 
-    def __init__(self) -> None:
-        self.start = time.perf_counter()
+    Parameters
+    ----------
+    clock
+        Function that returns the time [s].
+    """
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._clock = clock
+        self._start = clock()
         self.events: list[Event] = []
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the beginning [s]."""
+        return self._clock() - self._start
 
     def begin(self, stage: Stage, *then: Stage) -> None:
         """Write down that a stage begins."""
@@ -59,7 +76,7 @@ class Recorder(Observer):
         self._write("finish", [])
 
     def _write(self, what: str, values: list[Any]) -> None:
-        self.events.append([round(time.perf_counter() - self.start, 3), what, values])
+        self.events.append([round(self.elapsed, 3), what, values])
 
 
 def _values(stage: Stage) -> list[Any]:
@@ -68,11 +85,12 @@ def _values(stage: Stage) -> list[Any]:
 
 
 def thinned(events: list[Event], total: float) -> list[Event]:
-    """Leave out reports within a stage that follow others closely, except the last of each stage."""
+    """Leave out reports within a stage that follow others closely, except the first two and the last of each stage."""
     kept: list[Event] = []
-    last = 0.0
+    last, of_stage = 0.0, 0
     for event, following in zip(events, [*events[1:], [total, "finish", []]], strict=True):
-        is_inside = event[1] == following[1] == "advance"
+        of_stage = 0 if event[1] == "begin" else of_stage + 1
+        is_inside = event[1] == following[1] == "advance" and of_stage > FIRST
         # Results of a task come together, and the last of them tells most.
         if is_inside and (event[0] < last + total / PARTS or event[0] == following[0]):
             continue
@@ -155,18 +173,47 @@ def measuring(field: Field, workers: int, keep: str = "", **options: Any) -> Cal
     return prepare
 
 
-def simulating(field: Field, workers: int) -> Callable[[Path], Work]:
+@dataclass(frozen=True)
+class Simulation:
+    """A simulated observation by SKA-Mid.
+
+    Parameters
+    ----------
+    hours
+        Length of the track.
+    integration
+        Integration time [s].
+    channels
+        Number of channels.
+    is_averaged
+        Whether samples are averages over channels and integrations.
+    """
+
+    hours: float
+    integration: float
+    channels: int
+    is_averaged: bool = False
+
+    @property
+    def plan(self) -> uvshear.ObservingPlan:
+        """The array, the track and the channels."""
+        half = 1800 * self.hours
+        centre = uvshear.PhaseCentre(0.0, -0.5)
+        return uvshear.ObservingPlan(
+            uvshear.load_layout("ska-mid-aa4"),
+            uvshear.Track.from_clock(centre, ((-half, half),), self.integration),
+            uvshear.Channels.from_band(0.95e9, 1.19e9, self.channels),
+            is_averaged=self.is_averaged,
+        )
+
+
+def simulating(field: Field, simulation: Simulation, workers: int) -> Callable[[Path], Work]:
     """Return the preparation of the simulation of a field."""
 
     def prepare(folder: Path) -> Work:
         _, catalogue = field.make(folder)
-        plan = uvshear.ObservingPlan(
-            uvshear.load_layout("ska-mid-aa4"),
-            uvshear.Track.from_clock(uvshear.PhaseCentre(0.0, -0.5), ((-14400, 14400),), 30),
-            uvshear.Channels.from_band(0.95e9, 1.19e9, 1),
-        )
-        executor = uvshear.Threads(workers)
-        observation = uvshear.simulate(catalogue, plan, executor=executor)
+        executor = uvshear.Threads(workers) if workers > 1 else uvshear.Serial()
+        observation = uvshear.simulate(catalogue, simulation.plan, executor=executor)
         return lambda progress: uvshear.write_measurement_set(
             folder / "written.ms",
             observation,
@@ -233,7 +280,9 @@ WORKS: dict[str, Callable[[Path], Work]] = {
     "vla-2": measuring(VLA, 2),
     "paper-2": measuring(SMALL, 2, method=uvshear.Method(extraction=uvshear.PaperExtraction())),
     "degree-2": measuring(DEGREE, 2),
-    "simulate-1": simulating(TWELVE, 1),
+    "simulate-1": simulating(TWELVE, Simulation(8, 30, 1), 1),
+    "simulate-smeared-1": simulating(TWELVE, Simulation(1, 60, 2, is_averaged=True), 1),
+    "simulate-channels-1": simulating(TWELVE, Simulation(1, 60, 32), 1),
     "bias-moments-2": biased(2, "moments", galaxies=20_000),
     "bias-bayesian-1": biased(1, "bayesian", galaxies=200),
     "bias-crowd-2": biased(2, "moments", galaxies=100, density=2.8),
@@ -248,18 +297,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(WORKS))
     parser.add_argument("--folder", type=Path, required=True, help="folder for the fields")
+    parser.add_argument("--cpu-time", action="store_true", help="count the CPU time")
     given = parser.parse_args()
     for name in given.names or WORKS:
-        record(name, WORKS[name](given.folder))
+        clock = time.process_time if given.cpu_time else time.perf_counter
+        record(name, WORKS[name](given.folder), clock)
 
 
-def record(name: str, work: Work) -> None:
+def record(name: str, work: Work, clock: Callable[[], float] = time.perf_counter) -> None:
     """Do some work and record it."""
-    recorder = Recorder()
+    recorder = Recorder(clock)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         work(recorder)
-    total = time.perf_counter() - recorder.start
+    total = recorder.elapsed
     lines = [json.dumps(event, separators=(",", ":")) for event in thinned(recorder.events, total)]
     text = f'{{"total": {total:.3f},\n "events": [\n  {f",{chr(10)}  ".join(lines)}]}}\n'
     RECORDINGS.mkdir(parents=True, exist_ok=True)

@@ -146,7 +146,7 @@ def stages(log: Path) -> dict[str, float]:
     for record in map(json.loads, log.read_text(encoding="utf-8").splitlines()):
         if record["record"] == "run":
             found.clear()  # a resumed run appends its lines
-        elif record["record"] == "stage":
+        elif record["record"] == "stage" and record.get("finished", True):
             found[record["stage"]] = record["seconds"]
     return found
 

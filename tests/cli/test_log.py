@@ -20,7 +20,7 @@ COMMANDS = {
         "measure FIELD --catalogue CAT --keep moments -o s.fits --residual-image i.fits --log run.log",
         ("first pass", "major cycle 1", "minor cycle 1", "statistics", "residual image"),
     ),
-    "simulate": (SIMULATE, ("simulation",)),
+    "simulate": (SIMULATE, ("coverage", "preparation", "prediction", "writing")),
     "average": ("average FIELD --field-arcmin 4 -o a.ms --log run.log", ("averaging", "writing")),
     "bias": (
         "bias --estimator moments --galaxies 100 --integration-s 3600 -o b.json --log run.log",
@@ -128,7 +128,8 @@ def test_a_run_that_fails_says_why_in_its_log(run: Callable) -> None:
 
 
 @pytest.mark.parametrize(
-    ("number", "outcome"), [(signal.SIGINT, "interrupted"), (signal.SIGKILL, None)]
+    ("number", "outcome"),
+    [(signal.SIGINT, "interrupted"), (signal.SIGTERM, "interrupted"), (signal.SIGKILL, None)],
 )
 def test_a_log_tells_how_far_a_run_came_that_was_ended(
     tmp_path: Path, number: signal.Signals, outcome: str | None
@@ -143,3 +144,5 @@ def test_a_log_tells_how_far_a_run_came_that_was_ended(
     assert [each["record"] for each in found[:2]] == ["run", "stage"]
     assert (found[-1].get("outcome") if outcome else None) == outcome
     assert len(found) == (4 if outcome else 2)
+    unfinished = [each["stage"] for each in found if each.get("finished") is False]
+    assert unfinished == ([found[2]["stage"]] if outcome else [])

@@ -62,6 +62,7 @@ def test_a_run_has_a_line_for_each_stage_and_for_its_end(tmp_path):
     assert rest["start"] == pytest.approx(fits["start"] + fits["seconds"], abs=0.1)
     assert "change_rms" not in rest
     assert "done" not in rest
+    assert "finished" not in fits | rest
     assert end["outcome"] == "finished"
     assert end["seconds"] >= rest["start"] + rest["seconds"] - 0.01
     assert end["peak_memory_bytes"] >= fits["peak_memory_bytes"]
@@ -120,9 +121,23 @@ def test_the_end_of_a_run_that_fails_is_told(tmp_path, error, outcome, message):
 
     with pytest.raises(type(error)):
         run()
-    *_, rest, end = lines(path)
+    *_, fits, rest, end = lines(path)
     assert rest["stage"] == "rest"
+    assert (rest["finished"], "finished" in fits) == (False, False)
     assert (end["outcome"], end.get("message")) == (outcome, message)
+
+
+def test_a_stage_that_is_cut_short_is_not_finished(tmp_path):
+    def run(log):
+        meter = Meter(log)
+        meter.begin(Stage("fits", COST, 4.0, "galaxies"))
+        meter.add(1)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt), log_at(tmp_path / "run.log") as log:
+        run(log)
+    _, fits, _ = lines(tmp_path / "run.log")
+    assert (fits["done"], fits["finished"], fits["share"]) == (1, False, 0.25)
 
 
 def test_a_file_that_exists_is_replaced_only_if_asked_for(tmp_path):

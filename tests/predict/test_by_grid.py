@@ -28,7 +28,7 @@ def uvw():
 @pytest.fixture
 def _always_images(monkeypatch):
     """Images for all octaves but those whose images would be huge."""
-    monkeypatch.setattr(drawable, "_SUM", 1e5)
+    monkeypatch.setattr(drawable, "SUM", 1e5)
 
 
 def _sky(width, number=60, seed=4, centre=(0.0, 0.0)):
@@ -75,7 +75,7 @@ def test_every_source_has_its_spectrum(uvw):
 
 
 def test_galaxies_that_are_too_bright_or_too_large_are_summed(uvw, monkeypatch):
-    monkeypatch.setattr(drawable, "_SUM", 1e5)
+    monkeypatch.setattr(drawable, "SUM", 1e5)
     sky = _sky(0.004)
     flux, size = sky.flux.copy(), sky.scale_length.copy()
     flux[3], size[5] = 1.0, 40 * ARCSEC

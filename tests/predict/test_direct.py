@@ -152,3 +152,13 @@ def test_the_order_of_sources_and_rows_does_not_matter():
 def test_an_empty_sky_has_no_visibilities():
     nothing = galaxies([0.0]).select(np.zeros(0, int))
     assert not predict_visibilities(nothing, random_baselines(5, 1e3), L_BAND).any()
+
+
+def test_progress_is_told_of_the_visibilities_that_are_done():
+    told = []
+    uvw = random_baselines(SLAB + 100, 4e3)
+    predict_visibilities(
+        galaxies(), uvw, np.array([1.3e9, 1.4e9]), progress=lambda *work: told.append(work)
+    )
+    total = 2 * len(uvw)
+    assert told == [(done, total) for done in (SLAB, 2 * SLAB, 2 * SLAB + 100, total)]

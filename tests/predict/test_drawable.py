@@ -14,6 +14,7 @@ from uvshear.predict.drawable import (
     MOST_TILES,
     RELATIVE_ERROR,
     SMALLEST_STAMP,
+    TileCosts,
     cheapest_side,
     relative_error,
     stamp_sizes,
@@ -84,9 +85,18 @@ def test_stamps_hold_the_galaxies_whose_extent_is_known():
 def test_images_are_made_where_they_cost_less_than_the_sum():
     sky, profile = _sky(), Exponential()
     assert cheapest_side(sky, BAND, 1000, 1e4, profile) is None
-    assert cheapest_side(sky, BAND, 10_000_000, 1e4, profile) == 1
+    side, costs = cheapest_side(sky, BAND, 10_000_000, 1e4, profile)
+    assert (side, costs.tiles) == (1, 1)
     assert cheapest_side(sky, BAND, 0, 1e4, profile) is None
     assert cheapest_side(sky.select(np.arange(0)), BAND, 1000, 1e4, profile) is None
     # Smaller tiles need fewer w-planes.
     many, fine = _sky(40_000), Band(1e5, 2e5, 1.5e-6)
-    assert 1 < cheapest_side(many, fine, 1_000_000, 3e6, profile) <= MOST_TILES
+    side, costs = cheapest_side(many, fine, 1_000_000, 3e6, profile)
+    assert 1 < side <= MOST_TILES
+    assert costs.tiles == side**2
+
+
+def test_a_channel_more_costs_less_than_a_row_more():
+    costs = TileCosts(1, 0.0, 1e6)
+    one = costs.call(1000, 1)
+    assert one < costs.call(1000, 2) < costs.call(2000, 1) < 2 * one

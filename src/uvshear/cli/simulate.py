@@ -283,6 +283,7 @@ def simulate(
         write_measurement_set,
     )
     from uvshear.pipeline.simulate import simulate as simulate_observation
+    from uvshear.progress import Meter, Stage
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
 
     check_measurement_set_output(output, overwrite=overwrite)
@@ -302,20 +303,21 @@ def simulate(
         primary_beam=beam_of_dishes(primary_beam, lambda: array.diameters),
     )
     logged = begin_log(context, log, [file_of(catalogue)], overwrite=overwrite)
-    with warnings.catch_warnings(record=True) as noted:
-        warnings.simplefilter("always", DataWarning)
-        observation = simulate_observation(
-            sources,
-            plan,
-            noise=_noise(sefd, efficiency, noise_on, snr_at or (10.0, 10.0)),
-            shear=complex(*shear),
-            lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
-            profile=brightness,
-            seed=None if no_noise else seed,
-            executor=executor,
-            exact=exact,
-        )
     with progress_report("simulating", logged) as progress:
+        Meter(progress).begin(Stage("coverage"))
+        with warnings.catch_warnings(record=True) as noted:
+            warnings.simplefilter("always", DataWarning)
+            observation = simulate_observation(
+                sources,
+                plan,
+                noise=_noise(sefd, efficiency, noise_on, snr_at or (10.0, 10.0)),
+                shear=complex(*shear),
+                lens=shear_at_fixed_scale_length if legacy_shear else shear_galaxies,
+                profile=brightness,
+                seed=None if no_noise else seed,
+                executor=executor,
+                exact=exact,
+            )
         write_measurement_set(
             output,
             observation,

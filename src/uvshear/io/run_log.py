@@ -91,7 +91,7 @@ def is_log(path: Path) -> bool:
 
 
 class RunLog(Observer):
-    """Writes a line for each stage when it ends, and now and then within a long stage.
+    """Writes a line for each stage when it ends, in whatever way, and now and then within a long stage.
 
     Parameters
     ----------
@@ -135,8 +135,7 @@ class RunLog(Observer):
         if now >= self._told + EVERY:
             self._told = now
             name = self._stage.name if self._stage else ""
-            share = {"share": round(done / expected, 3)} if expected > 0 else {}
-            at = {"stage": name, "seconds": self._since_start(now), **share}
+            at = {"stage": name, "seconds": self._since_start(now), **self._share}
             self._write("progress", {**at, "memory_bytes": round(usage.memory)})
 
     def note(self, facts: Mapping[str, object]) -> None:
@@ -168,7 +167,8 @@ class RunLog(Observer):
         elif error is not None:
             message = " ".join(f"{type(error).__name__}: {error}".split())
             outcome = {"outcome": "failed", "message": message}
-        self._end_stage()
+        # Work that does not tell of its end has ended with a run that nothing has ended before.
+        self._end_stage(is_cut_short=error is not None)
         self._stage = None
         usage = Usage.now()
         self._write(
@@ -181,7 +181,7 @@ class RunLog(Observer):
             },
         )
 
-    def _end_stage(self) -> None:
+    def _end_stage(self, *, is_cut_short: bool = False) -> None:
         if (stage := self._stage) is None:
             return
         now, usage = time.monotonic(), Usage.now()
@@ -194,6 +194,8 @@ class RunLog(Observer):
         if stage.unit and self._done > 0:
             rate = self._done / seconds if seconds > 0 else None
             work = {"done": round(self._done), "unit": stage.unit, "per_second": _short(rate)}
+        if is_cut_short:
+            work |= {"finished": False, **self._share}
         self._write(
             "stage",
             {
@@ -206,6 +208,11 @@ class RunLog(Observer):
                 **self._facts,
             },
         )
+
+    @property
+    def _share(self) -> dict[str, float]:
+        """The part of the stage that is done, if it is known."""
+        return {"share": round(self._done / self._expected, 3)} if self._expected > 0 else {}
 
     def _since_start(self, now: float) -> float:
         return round(now - self._start, 3)

@@ -11,8 +11,8 @@ more than the sum is summed (``direct``), and so are galaxies that are too brigh
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import TypeAlias
+from functools import cached_property, partial
+from typing import Self, TypeAlias
 
 import numpy as np
 
@@ -23,9 +23,19 @@ from uvshear.imaging.bands import Band, longest_seen, steepest
 from uvshear.imaging.uv_order import uv_order
 from uvshear.predict import direct
 from uvshear.predict.direct import largest_flux, precision_within, predict_visibilities
-from uvshear.predict.drawable import cheapest_side, relative_error, stamp_sizes, suited
+from uvshear.predict.drawable import (
+    NO_TILES,
+    SUM,
+    TileCosts,
+    cheapest_side,
+    relative_error,
+    stamp_sizes,
+    suited,
+)
+from uvshear.predict.prediction import Prediction
 from uvshear.predict.response import SharedFactors
 from uvshear.predict.tile_images import TileImage, draw_tile
+from uvshear.progress import Meter, Progress
 from uvshear.typing import Array, Complex, Float, Int
 
 FOR_IMAGES = 0.9
@@ -50,6 +60,13 @@ GOLDEN_RATIO = (math.sqrt(5) - 1) / 2
 SLAB = 2**20
 """Largest number of visibilities that one call of the gridder computes. It does not depend on the number of workers, so
 that the result does not either."""
+
+
+ROW, SAMPLE = 60.0, 15.0
+"""Time of a baseline, and of each of its visibilities, in which they are put in place on one core [ns]."""
+
+IN_A_SUM = 2**18
+"""Number of visibilities that a task sums, if there are as many channels and rows in a slab."""
 
 
 def predict_by_grid(
@@ -81,50 +98,141 @@ def predict_by_grid(
         Executor for tiles and slabs of samples.
     """
     profile = profile or Exponential()
-    vis = np.zeros((len(uvw), len(frequency)), complex)
-    if len(galaxies) == 0:
+    planned = GridPrediction.planned(galaxies, uvw, frequency, error, profile, executor)
+    return planned.visibilities(executor)
+
+
+@dataclass(frozen=True)
+class GridPrediction(Prediction):
+    """Visibilities of galaxies that are predicted from images as far as this is faster.
+
+    Parameters
+    ----------
+    galaxies, uvw, frequency, error, profile
+        As for ``predict_by_grid``.
+    octaves
+        The octaves of the baselines.
+    """
+
+    galaxies: Galaxies
+    uvw: Float[Array, "row 3"]
+    frequency: Float[Array, " chan"]
+    error: float
+    profile: Profile
+    octaves: Sequence["_Octave"]
+
+    @classmethod
+    def planned(
+        cls,
+        galaxies: Galaxies,
+        uvw: Float[Array, "row 3"],
+        frequency: Float[Array, " chan"],
+        error: float,
+        profile: Profile,
+        executor: Executor = SERIAL,
+    ) -> Self:
+        """Decide for each octave which galaxies are drawn, and on which tiles."""
+        octaves: list[_Octave] = []
+        if len(galaxies):
+            octaves = list(_planned(galaxies, uvw, frequency, error, profile, executor))
+        return cls(galaxies, uvw, frequency, error, profile, octaves)
+
+    @property
+    def cost(self) -> float:
+        """Estimated time on one core [ns]."""
+        cost = 0.0
+        for octave in self.octaves:
+            cost += self._cost_of_sum(len(octave.summed), len(octave.rows) * len(self.frequency))
+            each = sum(self._cost_of_slab(octave, len(slab)) for slab in self._slabs_of(octave))
+            cost += len(self._shared.chosen) * (octave.costs.drawing + len(octave.tiles) * each)
+        return cost
+
+    def _cost_of_sum(self, summed: int, samples: int) -> float:
+        return samples * (SUM * summed + self._elsewhere) if summed else 0.0
+
+    def _cost_of_slab(self, octave: "_Octave", rows: int) -> float:
+        channels = len(self.frequency)
+        return octave.costs.call(rows, channels) + rows * channels * self._elsewhere
+
+    @property
+    def _elsewhere(self) -> float:
+        """Time of a visibility in which its value is put in place [ns]."""
+        return ROW / len(self.frequency) + SAMPLE
+
+    def visibilities(
+        self, executor: Executor = SERIAL, progress: Progress | None = None
+    ) -> Complex[Array, "row chan"]:
+        """Predict the visibilities [Jy]."""
+        vis = np.zeros((len(self.uvw), len(self.frequency)), complex)
+        meter = Meter(progress)
+        meter.expect(self.cost)
+        images: list[_Drawn] = []
+        tasks: list[_Work] = [*self._drawings(), *self._summations(vis)]
+        for cost, found in executor.map(_run, tasks):
+            images += [] if found is None else [found]
+            meter.add(cost)
+        parts = ((each, rows) for each in images for rows in self._slabs_of(each.octave))
+        for cost, rows, part in executor.map(self._degridded, parts):
+            vis[rows] += part
+            meter.add(cost)
         return vis
-    planned = list(_planned(galaxies, uvw, frequency, error, profile, executor))
-    spectra = (frequency[:, None] / galaxies.reference_frequency) ** galaxies.spectral_index
-    shared = SharedFactors.from_factors(spectra, SPECTRAL_TOLERANCE)
 
-    def sums(octave: _Octave, rows: Int[Array, " slab"]) -> None:
-        part = galaxies.select(octave.summed)
-        dtype = precision_within(error, largest_flux(part, frequency))
-        vis[rows] = predict_visibilities(part, uvw[rows], frequency, profile, dtype=dtype)
+    @cached_property
+    def _spectra(self) -> Float[Array, "chan source"]:
+        ratio = self.frequency[:, None] / self.galaxies.reference_frequency
+        return ratio**self.galaxies.spectral_index
 
-    def drawn(octave: _Octave, members: Int[Array, " member"], k: int) -> _Drawn:
-        taken, weight = galaxies.select(members), shared.coefficients[k, members]
-        spectrum = spectra[:, shared.chosen[k]]
-        image = draw_tile(taken, taken.flux * weight, spectrum, octave.band, profile)
-        return _Drawn(octave.rows, image)
+    @cached_property
+    def _shared(self) -> SharedFactors:
+        return SharedFactors.from_factors(self._spectra, SPECTRAL_TOLERANCE)
 
-    drawings = [
-        partial(drawn, octave, members, k)
-        for octave in planned
-        for members in octave.tiles
-        for k in range(len(shared.chosen))
-    ]
-    summations = [
-        partial(sums, octave, rows)
-        for octave in planned
-        if len(octave.summed)
-        for rows in _slabs(octave.rows, direct.SLAB)
-    ]
-    tasks: list[_Work] = [*drawings, *summations]
-    images = [found for found in executor.map(_run, tasks) if found is not None]
+    def _drawings(self) -> Iterator["_Work"]:
+        for octave in self.octaves:
+            for members in octave.tiles:
+                for k in range(len(self._shared.chosen)):
+                    yield partial(self._drawn, octave, members, k)
 
-    def degridded(
-        task: tuple[TileImage, Int[Array, " slab"]],
-    ) -> tuple[Int[Array, " slab"], Complex[Array, "slab chan"]]:
-        image, rows = task
-        return rows, image.visibilities(uvw[rows], frequency)
+    def _drawn(
+        self, octave: "_Octave", members: Int[Array, " member"], k: int
+    ) -> tuple[float, "_Drawn"]:
+        taken, weight = self.galaxies.select(members), self._shared.coefficients[k, members]
+        spectrum = self._spectra[:, self._shared.chosen[k]]
+        image = draw_tile(taken, taken.flux * weight, spectrum, octave.band, self.profile)
+        return octave.costs.drawing * len(members) / octave.drawn, _Drawn(octave, image)
 
-    per_slab = max(1, SLAB // len(frequency))
-    parts = ((each.image, rows) for each in images for rows in _slabs(each.rows, per_slab))
-    for rows, part in executor.map(degridded, parts):
-        vis[rows] += part
-    return vis
+    def _summations(self, vis: Complex[Array, "row chan"]) -> Iterator["_Work"]:
+        """Yield sums over galaxies, which are written to ``vis``."""
+        for octave in self.octaves:
+            if len(octave.summed):
+                for rows in _slabs(octave.rows, direct.SLAB):
+                    step = max(1, IN_A_SUM // len(rows))
+                    for first in range(0, len(self.frequency), step):
+                        channels = slice(first, first + step)
+                        yield partial(self._sum, vis, octave.summed, rows, channels)
+
+    def _sum(
+        self,
+        vis: Complex[Array, "row chan"],
+        summed: Int[Array, " member"],
+        rows: Int[Array, " slab"],
+        channels: slice,
+    ) -> tuple[float, None]:
+        part, frequency = self.galaxies.select(summed), self.frequency[channels]
+        dtype = precision_within(self.error, largest_flux(part, self.frequency))
+        vis[rows, channels] = predict_visibilities(
+            part, self.uvw[rows], frequency, self.profile, dtype=dtype
+        )
+        return self._cost_of_sum(len(part), len(rows) * len(frequency)), None
+
+    def _degridded(
+        self, task: tuple["_Drawn", Int[Array, " slab"]]
+    ) -> tuple[float, Int[Array, " slab"], Complex[Array, "slab chan"]]:
+        drawn, rows = task
+        part = drawn.image.visibilities(self.uvw[rows], self.frequency)
+        return self._cost_of_slab(drawn.octave, len(rows)), rows, part
+
+    def _slabs_of(self, octave: "_Octave") -> Iterator[Int[Array, " slab"]]:
+        return _slabs(octave.rows, max(1, SLAB // len(self.frequency)))
 
 
 @dataclass(frozen=True)
@@ -141,27 +249,35 @@ class _Octave:
         Numbers of the galaxies of each tile that is drawn.
     summed
         Numbers of the galaxies that are summed.
+    costs
+        Estimated times of the tiles.
     """
 
     rows: Int[Array, " row"]
     band: Band
     tiles: Sequence[Int[Array, " _"]]
     summed: Int[Array, " _"]
+    costs: TileCosts = NO_TILES
+
+    @property
+    def drawn(self) -> int:
+        """Number of the galaxies that are drawn."""
+        return sum(len(tile) for tile in self.tiles)
 
 
 @dataclass(frozen=True)
 class _Drawn:
-    """An image, and the numbers of the rows that see it."""
+    """An image, and the octave that sees it."""
 
-    rows: Int[Array, " row"]
+    octave: _Octave
     image: TileImage
 
 
-_Work: TypeAlias = Callable[[], _Drawn | None]
-"""A drawing or a sum."""
+_Work: TypeAlias = Callable[[], tuple[float, _Drawn | None]]
+"""A drawing or a sum, which returns its estimated time on one core [ns] and the image."""
 
 
-def _run(task: _Work) -> _Drawn | None:
+def _run(task: _Work) -> tuple[float, _Drawn | None]:
     return task()
 
 
@@ -206,11 +322,12 @@ def _planned(
         errors = flux * relative_error(galaxies, probes * seen[:, None], profile)
         drawn = suited(errors, stamp_sizes(galaxies, band.pixel, profile), FOR_IMAGES * error)
         samples = len(rows) * len(frequency)
-        side = cheapest_side(galaxies.select(drawn), band, samples, reach, profile)
-        if side is None:
+        cheapest = cheapest_side(galaxies.select(drawn), band, samples, reach, profile)
+        if cheapest is None:
             return _Octave(rows, band, (), everything)
+        side, costs = cheapest
         left = np.setdiff1d(everything, drawn)
-        return _Octave(rows, band, _squares(galaxies, drawn, side), left)
+        return _Octave(rows, band, _squares(galaxies, drawn, side), left, costs)
 
     yield from executor.map(octave, _octaves(length, galaxies))
 

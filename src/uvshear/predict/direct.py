@@ -19,6 +19,7 @@ from uvshear.geometry.ellipticity import quadratic_form
 from uvshear.interferometer.attenuation import AttenuatedSamples
 from uvshear.predict import kernels
 from uvshear.predict.losses import Losses
+from uvshear.progress import Meter, Progress
 from uvshear.typing import Array, Complex, Float
 
 SLAB, SOURCES = 16384, 16
@@ -38,6 +39,7 @@ def predict_visibilities(
     executor: Executor = SERIAL,
     losses: Losses | None = None,
     dtype: type[np.floating] = np.float64,
+    progress: Progress | None = None,
 ) -> Complex[Array, "row chan"]:
     r"""Sum the visibilities of all galaxies [Jy].
 
@@ -67,6 +69,8 @@ def predict_visibilities(
         Precision of each galaxy's visibilities. With float32 the rms rounding error is below 3e-7 of the galaxy's flux,
         and the sum takes little more than half the time. Phases (in turns) and sums over galaxies are float64 in any
         case.
+    progress
+        Function that is called with the number of visibilities that are done and the number of all.
 
     References
     ----------
@@ -76,7 +80,7 @@ def predict_visibilities(
     vis = np.empty((len(uvw), len(frequency)), complex)
     sky = _Sky(galaxies, frequency)
 
-    def fill(task: tuple[int, int]) -> None:
+    def fill(task: tuple[int, int]) -> int:
         start, chan = task
         rows = slice(start, start + SLAB)
         block = np.ascontiguousarray(uvw[rows].T, float)
@@ -85,9 +89,12 @@ def predict_visibilities(
             samples = losses.samples(uvw, frequency, rows, chan)
             factor = _Attenuated(losses.attenuation.over(samples), galaxies)
         vis[rows, chan] = _predict_slab(sky, block, chan, profile, factor, dtype)
+        return block.shape[1]
 
-    for _ in executor.map(fill, product(range(0, len(uvw), SLAB), range(len(frequency)))):
-        pass
+    meter = Meter(progress)
+    meter.expect(vis.size)
+    for done in executor.map(fill, product(range(0, len(uvw), SLAB), range(len(frequency)))):
+        meter.add(done)
     return vis
 
 

@@ -1,6 +1,8 @@
 """Galaxies that are drawn for a simulation, and the tiles on which this costs least."""
 
 import math
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -31,12 +33,69 @@ LARGEST_STAMP = 320
 MOST_TILES = 16
 """Largest number of tiles along a side of the field."""
 
-_SUM, _STAMP, _SAMPLE, _PIXEL = 1.6, 14.0, 380.0, 22.0
+SUM, _STAMP, _SAMPLE, _PIXEL = 1.6, 14.0, 380.0, 22.0
 """Costs on one core [ns]: per source and sample in the direct sum, per pixel of a stamp, per sample of a tile, and per
 pixel and w-plane of a tile."""
 
+_IN_ROW = 110.0
+"""Cost of a further channel of a sample of a tile [ns], whose kernels fall on the same pixels."""
+
 _PLANES = 8
 """Number of w-planes that the gridder needs where w hardly matters."""
+
+
+@dataclass(frozen=True)
+class TileCosts:
+    """Estimated times that the tiles of a band take on one core [ns].
+
+    Parameters
+    ----------
+    tiles
+        Number of tiles.
+    drawing
+        Time in which all galaxies are drawn.
+    pixels
+        Time that one call of the gridder takes for the pixels of a tile, whatever the number of samples.
+    """
+
+    tiles: int
+    drawing: float
+    pixels: float
+
+    @classmethod
+    def of_squares(
+        cls, span: float, sizes: Float[Array, " source"], band: Band, w: float, side: int
+    ) -> Self:
+        """Estimate the times of a field that is divided into ``side`` x ``side`` squares.
+
+        Parameters
+        ----------
+        span
+            Width of the field [rad].
+        sizes
+            Widths of the stamps of its galaxies [pixels].
+        band
+            Range of the baselines, and the pixels.
+        w
+            Largest modulus of w [wavelengths].
+        side
+            Number of squares along a side of the field.
+        """
+        width = span / side + int(sizes.max()) * band.pixel
+        planes = _PLANES + 2 * w * (width / 2) ** 2
+        return cls(
+            tiles=min(side**2, len(sizes)),
+            drawing=_STAMP * float(np.sum(sizes**2)),
+            pixels=_PIXEL * planes * (width / band.pixel) ** 2,
+        )
+
+    def call(self, rows: int, channels: int) -> float:
+        """Estimate the time of one call of the gridder, which degrids one tile."""
+        return rows * (_SAMPLE + _IN_ROW * (channels - 1)) + self.pixels
+
+
+NO_TILES = TileCosts(0, 0.0, 0.0)
+"""Costs where nothing is drawn."""
 
 
 def relative_error(
@@ -95,24 +154,26 @@ def suited(
 
 def cheapest_side(
     galaxies: Galaxies, band: Band, samples: int, w: float, profile: Profile
-) -> int | None:
-    """Return the number of tiles along a side of the field that costs least; None where the direct sum costs less.
+) -> tuple[int, TileCosts] | None:
+    """Return the number of tiles along a side of the field that costs least, and what it costs.
 
-    ``samples`` is the number of visibilities in the band, and ``w`` the largest modulus of w [wavelengths].
+    Where the direct sum costs less, the function returns None. ``samples`` is the number of visibilities in the band,
+    and ``w`` the largest modulus of w [wavelengths].
     """
     if len(galaxies) == 0 or samples == 0:
         return None
     span = max(float(np.ptp(galaxies.l)), float(np.ptp(galaxies.m)))
     sizes = stamp_sizes(galaxies, band.pixel, profile)
 
+    def costs(side: int) -> TileCosts:
+        return TileCosts.of_squares(span, sizes, band, w, side)
+
     def cost(side: int) -> float:
-        width = span / side + int(sizes.max()) * band.pixel
-        planes = _PLANES + 2 * w * (width / 2) ** 2
-        each = _SAMPLE * samples + _PIXEL * planes * (width / band.pixel) ** 2
-        return min(side**2, len(galaxies)) * each + _STAMP * float(np.sum(sizes**2))
+        of_side = costs(side)
+        return of_side.tiles * (_SAMPLE * samples + of_side.pixels) + of_side.drawing
 
     side = min(range(1, MOST_TILES + 1), key=cost)
-    return side if cost(side) < _SUM * samples * len(galaxies) else None
+    return (side, costs(side)) if cost(side) < SUM * samples * len(galaxies) else None
 
 
 def stamp_sizes(galaxies: Galaxies, pixel: float, profile: Profile) -> Float[Array, " source"]:

@@ -125,12 +125,15 @@ def time_left(
     own = (lately.seconds + weight * expected) / (lately.cost + weight)
     left = (running.cost - part.cost) * own
     left = max(left - (now - running.reported), OVERDUE * left)
-    for stage in then:
-        seen = pace([each for each in known if each.kind == kind_of(stage)])
-        if kind_of(stage) == part.kind and before is None:
+    # There may be hundreds of stages, of few kinds.
+    paces = dict.fromkeys(map(kind_of, then), overall)
+    for kind in paces:
+        seen = pace([each for each in known if each.kind == kind])
+        if kind == part.kind and before is None:
             seen = own
-        left += stage.cost * (overall if seen is None else seen)
-    return left
+        if seen is not None:
+            paces[kind] = seen
+    return left + sum(stage.cost * paces[kind_of(stage)] for stage in then)
 
 
 def pace(finished: Sequence[Finished]) -> float | None:

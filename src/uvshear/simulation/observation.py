@@ -19,7 +19,8 @@ from uvshear.interferometer.spectral_window import Channels
 from uvshear.interferometer.stokes import stokes_i
 from uvshear.interferometer.visibilities import Integrations, Visibilities
 from uvshear.predict.losses import Losses
-from uvshear.predict.within_error import predict_within_error
+from uvshear.predict.prediction import Prediction
+from uvshear.predict.within_error import plan_within_error
 from uvshear.typing import Array, Complex, Float
 
 SAMPLES_PER_SLAB: Final = 2**18
@@ -130,20 +131,27 @@ class SimulatedObservation:
         """Number of rows that share a stream of random numbers; it depends on the number of channels alone."""
         return max(1, SAMPLES_PER_SLAB // len(self.channels))
 
+    @property
+    def parts(self) -> list[range]:
+        """Rows that are predicted together."""
+        together, rows = BLOCKS_PER_PREDICTION * self._rows_per_block, len(self.coverage)
+        return [range(k, min(k + together, rows)) for k in range(0, rows, together)]
+
     def blocks(self, executor: Executor = SERIAL) -> Iterator[CorrelationBlock]:
         """Simulate the correlations, a block of rows at a time; workers make the next blocks while one is used."""
-        rows_per_block = SLABS_PER_BLOCK * self.rows_per_slab
-        together = BLOCKS_PER_PREDICTION * rows_per_block
-        for start in range(0, len(self.coverage), together):
-            sky = self._predicted(slice(start, start + together), executor)
-            firsts = range(0, len(sky), rows_per_block)
+        for rows in self.parts:
+            sky = self.planned(rows, executor).visibilities(executor).astype(np.complex64)
+            yield from self.blocks_of(rows.start, sky, executor)
 
-            def block(
-                first: int, start: int = start, sky: Complex[Array, "row chan"] = sky
-            ) -> CorrelationBlock:
-                return self._observed(sky[first : first + rows_per_block], start + first)
+    def blocks_of(
+        self, start: int, sky: Complex[Array, "row chan"], executor: Executor = SERIAL
+    ) -> Iterator[CorrelationBlock]:
+        """Add noise to the predicted visibilities of the rows from ``start`` on, whose number is that of ``parts``."""
 
-            yield from executor.map(block, firsts)
+        def block(first: int) -> CorrelationBlock:
+            return self._observed(sky[first : first + self._rows_per_block], start + first)
+
+        yield from executor.map(block, range(0, len(sky), self._rows_per_block))
 
     def chunks(self) -> Iterator[Visibilities]:
         """Simulate Stokes I as it would be read from a Measurement Set."""
@@ -164,21 +172,25 @@ class SimulatedObservation:
                 hand_powers=combined.hand_powers,
             )
 
-    def _predicted(self, rows: slice, executor: Executor) -> Complex[Array, "row chan"]:
-        """Visibilities of the galaxies, which both hands have [Jy]."""
+    def planned(self, rows: range, executor: Executor = SERIAL) -> Prediction:
+        """Plan the prediction of the visibilities of the galaxies [Jy], which both hands have."""
+        taken = slice(rows.start, rows.stop)
         error = 0.0
         if not self.is_exact and self.seed is not None:
-            error = OF_THE_NOISE * float(self._sigma(rows).min()) / math.sqrt(2)
-        sky = predict_within_error(
+            error = OF_THE_NOISE * float(self._sigma(taken).min()) / math.sqrt(2)
+        return plan_within_error(
             self.galaxies,
-            self.coverage.rows(rows).uvw,
+            self.coverage.rows(taken).uvw,
             self.channels.frequency,
             error,
             self.profile,
             executor,
-            self._losses(rows),
+            self._losses(taken),
         )
-        return sky.astype(np.complex64)
+
+    @property
+    def _rows_per_block(self) -> int:
+        return SLABS_PER_BLOCK * self.rows_per_slab
 
     def _observed(self, sky: Complex[Array, "row chan"], first_row: int) -> CorrelationBlock:
         """Both hands of some rows, with their noise."""

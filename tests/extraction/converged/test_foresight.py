@@ -28,7 +28,8 @@ def needed(*changes):
 
 def test_rough_cycles_and_a_whole_one_come_first():
     assert FORESIGHT.cycles_to_come(history()) == 3
-    assert Foresight(0.1, 0, 15).cycles_to_come(history()) == 1
+    assert Foresight(0.1, 0, 15).cycles_to_come(history()) == 2
+    assert Foresight(0.1, 0, 1).cycles_to_come(history()) == 1
     # It has converged, but the longest baselines are to come.
     assert FORESIGHT.cycles_to_come(history(1.0, 1e-3)) == 1
 
@@ -52,8 +53,15 @@ def test_sources_that_do_not_come_to_rest_take_longer():
     moves = ((6.0, 18.0), (11.0, 13.0), (6.0, 17.0), (9.0, 14.0))
     # Measured before MeerKAT: nine cycles.
     restless = history(12.98).with_cycle(np.array([1.41]), moves)
-    assert FORESIGHT.cycles_to_come(restless) == 6
+    assert FORESIGHT.cycles_to_come(restless) == 7
     assert FORESIGHT.cycles_to_come(history(12.98, 1.41)) == 1
+
+
+def test_a_jump_of_a_few_sources_does_not_go_on():
+    # Measured before MeerKAT: one more cycle, with a change of 0.09.
+    assert FORESIGHT.cycles_to_come(history(13.0, 1.41, 0.84, 0.61, 0.39, 0.31, 0.23, 0.83)) == 1
+    # Two more were needed as well before it, when changes shrank by 0.76.
+    assert FORESIGHT.cycles_to_come(history(13.0, 1.41, 0.84, 0.61, 0.39, 0.31, 0.23)) == 2
 
 
 def test_no_more_cycles_are_foreseen_than_are_done():

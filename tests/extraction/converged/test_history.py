@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from uvshear.extraction.converged.history import History
+from uvshear.extraction.converged.minor_cycle import MOST_ITERATIONS
 
 
 def test_one_major_cycle_may_be_followed_by_a_change_as_large():
@@ -68,3 +69,12 @@ def test_a_sky_diverges_where_changes_above_the_noise_grow(changes, diverges):
     for change in changes:
         history = history.with_cycle(np.array([change]), ())
     assert history.is_diverging is diverges
+
+
+def test_sources_that_still_move_after_the_last_iteration_are_restless():
+    change, move = np.array([1.0]), (2.0, 1.0)
+    assert not History().is_restless
+    assert not History().with_cycle(change, (move,)).is_restless
+    restless = History().with_cycle(change, (move,) * MOST_ITERATIONS)
+    assert restless.is_restless
+    assert not restless.with_cycle(change, (move,)).is_restless

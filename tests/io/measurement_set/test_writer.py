@@ -8,6 +8,7 @@ import pytest
 from casacore import measures, quanta, tables
 
 from tests.io.measurement_sets import PHASE_CENTRE, simulated, written
+from tests.progress.heard import Heard
 from uvshear.errors import InputError
 from uvshear.execution import in_threads
 from uvshear.interferometer.stokes import Hands
@@ -256,14 +257,19 @@ def test_casacore_s_own_measures_agree_with_the_baselines(path):
     np.testing.assert_allclose(uvw, expected, atol=1e-4 * np.linalg.norm(uvw))
 
 
-def test_progress_is_told_after_every_block(tmp_path, monkeypatch):
+def test_progress_is_told_of_the_prediction_and_after_every_block(tmp_path, monkeypatch):
     monkeypatch.setattr(observation_module, "SAMPLES_PER_SLAB", 200)
     monkeypatch.setattr(observation_module, "SLABS_PER_BLOCK", 16)
-    told = []
+    told, heard = [], Heard()
     write_measurement_set(
         tmp_path / "x.ms", simulated(), progress=lambda done, total: told.append((done, total))
     )
-    assert told == [(800, 1680), (1600, 1680), (1680, 1680)]
+    assert told[-1][0] == told[-1][1] > told[0][0] > 0
+    write_measurement_set(tmp_path / "y.ms", simulated(), progress=heard)
+    assert heard.stages == ["preparation", "prediction", "writing"]
+    writing = heard.all[heard.all.index(("begin", "writing", ())) + 1 :]
+    assert [what[1] for what in writing[:3]] == [3200, 6400, 6720]
+    assert writing[-1] == ("finish",)
 
 
 def test_block_by_block_is_the_same_as_at_once(tmp_path, monkeypatch):

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Self
 
-from uvshear.extraction.converged.minor_cycle import Moves, rms
+from uvshear.extraction.converged.minor_cycle import MOST_ITERATIONS, Moves, rms
 from uvshear.typing import Array, Float
 
 FARTHEST = 5.0
@@ -65,6 +65,11 @@ class History:
     def is_diverging(self) -> bool:
         """Whether the last major cycle changed the sky more than the one before, and by more than the noise."""
         return len(self) > 1 and self.change_rms[-1] > max(self.change_rms[-2], 1.0)
+
+    @property
+    def is_restless(self) -> bool:
+        """Whether the sources have not come to rest in the last minor cycle."""
+        return len(self) > 0 and len(self.moves[-1]) == MOST_ITERATIONS
 
     def last(self) -> dict[str, object]:
         """Return how the last major cycle changed the sky, for reports of the progress."""

@@ -1,6 +1,6 @@
 """The stages of an extraction and the work that each is expected to take, for reports of its progress."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -36,7 +36,8 @@ minor cycles, and in posteriors and statistics. Two workers measure a field of 1
 fast as one; the rough cycles of a small field have few tasks."""
 
 ITERATIONS = (2, 2, 1)
-"""Usual numbers of iterations of the first minor cycles; later ones take as many as the last one did."""
+"""Usual numbers of iterations of the first minor cycles; later ones take as many as the last one did, and so does the
+last of these after one in which the sources have not come to rest."""
 
 FITTED, FITTED_AGAIN = 0.93, 0.25
 """Part of the sources that are fitted in an iteration, and in the second and later iterations of later cycles."""
@@ -71,10 +72,13 @@ class Workload:
 
     def stages(self, history: History, plan: MajorCyclePlan) -> tuple[Stage, ...]:
         """Return all stages that are expected from the next major cycle on, for which there is a plan."""
-        first, count = len(history), self.foresight.cycles_to_come(history)
+        # Where rough cycles leave no baselines out, the sky may converge in them.
+        rough_cycles = 0 if self._rough.has_all_baselines else self.foresight.rough_cycles
+        foresight = replace(self.foresight, rough_cycles=rough_cycles)
+        first, count = len(history), foresight.cycles_to_come(history)
         cycles: list[Stage] = []
         for number in range(first, first + count):
-            is_planned = number == first or number < self.foresight.rough_cycles
+            is_planned = number == first or number < rough_cycles
             of_plan = plan if is_planned else self._whole
             cycles += [self._major_cycle(number, of_plan), self._minor_cycle(number, history)]
         return (*cycles, *self.ending)
@@ -113,7 +117,8 @@ class Workload:
 
     def _minor_cycle(self, number: int, history: History) -> Stage:
         part = ITERATIONS[min(number, len(ITERATIONS) - 1)] * FITTED
-        if len(history) >= len(ITERATIONS):
+        is_late = number >= len(ITERATIONS) - 1
+        if len(history) >= len(ITERATIONS) or (is_late and history.is_restless):
             part += FITTED_AGAIN * (len(history.moves[-1]) - 1)
         fits = part * len(self.planner.modelled.sources)
         name = f"minor cycle {number + 1}"

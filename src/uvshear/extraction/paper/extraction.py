@@ -87,6 +87,7 @@ class PaperExtraction(Extraction):
             reached = run.measure_again(reached, again[reached.batches - first])
             if store.is_due:
                 store.save(_SKY, reached)
+        meter.finish()
         sky, measurements = reached.sky, {**reached.measurements, **reached.measured_again}
         return Extracted(
             measurements=measurements,

@@ -19,6 +19,7 @@ from uvshear.io.measurement_set.subtables import write_subtables
 from uvshear.io.measurement_set.writing import written
 from uvshear.io.outputs import check_output, new_outputs
 from uvshear.progress import Meter, Progress, Stage
+from uvshear.simulation.in_stages import blocks_in_stages
 from uvshear.simulation.observation import CorrelationBlock, SimulatedObservation
 
 TILE_BYTES: Final = 2**20
@@ -91,24 +92,23 @@ def write_measurement_set(
     hands
         Kind of feed.
     progress
-        Function that is called after every block with the number of rows written and the number of all rows, or an
+        Function that is called with the work done and the total work expected, in nanoseconds of one core, or an
         observer of the stages.
     """
     target = Path(path)
     check_measurement_set_output(target, overwrite=overwrite)
     require_space(target, _size(observation))
+    meter = Meter(progress)
+    meter.begin(Stage("preparation"))
     with casacore_errors_of_output(target), new_outputs(target) as outputs:
         unfinished = outputs.new(target, overwrite=overwrite)
         description = _create_twice(unfinished, observation)
         write_subtables(unfinished, observation, hands)
         with written(tables.table(str(unfinished), readonly=False, ack=False)) as main:
-            meter, channels = Meter(progress), len(observation.channels)
-            rows = len(observation.coverage)
-            meter.begin(Stage("simulation", rows, rows * channels, "visibilities"))
-            for block in observation.blocks(executor):
+            for block in blocks_in_stages(observation, executor, meter):
                 _write_block(main, observation.coverage, block)
-                meter.add(len(block) * channels)
         (unfinished / DESCRIPTION).write_bytes(description)
+        meter.finish()
 
 
 def _size(observation: SimulatedObservation) -> float:
