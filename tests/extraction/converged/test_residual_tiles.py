@@ -1,5 +1,7 @@
 """Images of tiles in parts, by several workers."""
 
+import gc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -75,3 +77,23 @@ def test_images_are_discarded_when_they_are_no_longer_needed(field, monkeypatch)
     for of_band in tiles:
         for tile in of_band:
             assert not tile.images.is_held
+
+
+@pytest.mark.parametrize("executor", [SERIAL, Threads(2)])
+def test_samples_are_released_without_the_garbage_collector(field, executor, monkeypatch):
+    """It looks seldom at what is old, and never at what was there when copies were made: blocks would pile up."""
+    made = []
+    build = residual_tiles._tiles_of_bands
+
+    def watched(residuals):
+        made.append(weakref.ref(residuals))
+        return build(residuals)
+
+    monkeypatch.setattr(residual_tiles, "_tiles_of_bands", watched)
+    gc.disable()
+    try:
+        _facets(field, executor)
+        (residuals,) = made
+        assert residuals() is None
+    finally:
+        gc.enable()
