@@ -9,7 +9,7 @@ import pytest
 
 from tests.extraction.converged.major_cycles import GRIDDING, MIXED, changed, small_field
 from uvshear.execution import SERIAL, Threads
-from uvshear.extraction.converged import residual_tiles
+from uvshear.extraction.converged import major_cycle, residual_tiles
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.predict import gridded
 
@@ -97,3 +97,22 @@ def test_samples_are_released_without_the_garbage_collector(field, executor, mon
         assert residuals() is None
     finally:
         gc.enable()
+
+
+def test_a_block_is_released_before_it_is_imaged(field, monkeypatch):
+    """The samples of its bands are copies."""
+    blocks, held = [], []
+    divide, image = major_cycle._parts, major_cycle.add_to_facets
+
+    def divided(samples, *rest):
+        blocks.append(weakref.ref(samples))
+        return divide(samples, *rest)
+
+    def imaged(*arguments):
+        held.extend(block() is not None for block in blocks)
+        return image(*arguments)
+
+    monkeypatch.setattr(major_cycle, "_parts", divided)
+    monkeypatch.setattr(major_cycle, "add_to_facets", imaged)
+    _facets(field, SERIAL)
+    assert held == [False]
