@@ -11,7 +11,8 @@ the sum of
 - the pages of files, mostly of libraries, of the process that has most of them, because other programs may share them.
 
 Each case is saved in ``--folder`` as soon as it is measured. The benchmark goes on with the next case if it is started
-again at the same commit. Measurement Sets are deleted when their cases are done.
+again at the same commit. Measurement Sets are deleted when their cases are done. The record has every case of the
+folder, so that several runs with some of the numbers each make one record.
 """
 
 import argparse
@@ -42,7 +43,7 @@ def main() -> None:
     arguments = parse()
     folder = arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
-    is_warm, found = False, {}
+    is_warm = False
     for millions in arguments.millions:
         for count in arguments.counts:
             for limit in arguments.memory_gb:
@@ -55,12 +56,11 @@ def main() -> None:
                     result = measure(field, limit, arguments.threads)
                     saved.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
                 print(f"{saved.stem}: {result}", flush=True)
-                found[saved.stem] = result
             shutil.rmtree(folder / f"{millions}m-{count}.ms", ignore_errors=True)
     if arguments.record:
         write_record(
             RESULTS / f"{arguments.record}.json",
-            {f"{name}_{key}": each[name] for key, each in found.items() for name in KEPT},
+            figures(folder),
             [1],
             title=(
                 "Peak memory of uvshear measure and its copies together, by millions of samples, number of sources and"
@@ -91,6 +91,12 @@ def load(path: Path) -> dict[str, Any] | None:
         return None
     result = json.loads(path.read_text(encoding="utf-8"))
     return result if result["commit"] == commit() else None
+
+
+def figures(folder: Path) -> dict[str, float]:
+    """Return the figures of all cases that were measured at this commit."""
+    found = {path.stem: load(path) for path in sorted(folder.glob("*_within_*.json"))}
+    return {f"{name}_{key}": each[name] for key, each in found.items() if each for name in KEPT}
 
 
 def simulate(folder: Path, millions: float, count: int) -> Path:
