@@ -1,18 +1,22 @@
 """Images of tiles in parts, by several workers."""
 
 import gc
+import subprocess
+import sys
 import weakref
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tests.extraction.converged.major_cycles import GRIDDING, MIXED, changed, small_field
 from uvshear.execution import SERIAL, Threads
-from uvshear.extraction.converged import major_cycle, residual_tiles
+from uvshear.extraction.converged import residual_tiles
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.predict import gridded
 
+ROOT = Path(__file__).parents[3]
 CHANNELS = np.array([1.05e9, 1.2e9, 1.4e9])
 
 
@@ -99,20 +103,31 @@ def test_samples_are_released_without_the_garbage_collector(field, executor, mon
         gc.enable()
 
 
-def test_a_block_is_released_before_it_is_imaged(field, monkeypatch):
-    """The samples of its bands are copies."""
-    blocks, held = [], []
-    divide, image = major_cycle._parts, major_cycle.add_to_facets
+WATCH_BLOCKS = """
+import weakref
 
-    def divided(samples, *rest):
-        blocks.append(weakref.ref(samples))
-        return divide(samples, *rest)
+from tests.extraction.converged.major_cycles import SKY, small_field
+from uvshear.extraction.converged import major_cycle
 
-    def imaged(*arguments):
-        held.extend(block() is not None for block in blocks)
-        return image(*arguments)
+blocks, held = [], []
+divide, image = major_cycle._parts, major_cycle.add_to_facets
 
-    monkeypatch.setattr(major_cycle, "_parts", divided)
-    monkeypatch.setattr(major_cycle, "add_to_facets", imaged)
-    _facets(field, SERIAL)
-    assert held == [False]
+def divided(samples, *rest):
+    blocks.append(weakref.ref(samples))
+    return divide(samples, *rest)
+
+def imaged(*arguments):
+    held.extend(block() is not None for block in blocks)
+    return image(*arguments)
+
+major_cycle._parts, major_cycle.add_to_facets = divided, imaged
+small_field(rows=500).residuals(SKY)
+print(held)
+"""
+
+
+def test_a_block_is_released_before_it_is_imaged():
+    """The samples of its bands are copies. Where annotations are checked, as they are here, calls hold arguments."""
+    command = [sys.executable, "-c", WATCH_BLOCKS]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert run.stdout == "[False]\n"
