@@ -1,5 +1,7 @@
 """Samples collected into blocks, however an observation is read."""
 
+import weakref
+
 import numpy as np
 import pytest
 
@@ -81,3 +83,27 @@ def test_no_sample_is_lost_or_taken_twice_where_a_pass_was_divided(seen):
 def test_an_observation_without_samples_has_no_block(seen):
     dark = VisibilitySet(PhaseCentre(0.0, 0.0), ())
     assert accumulate(dark, [Collector(10)]) == ([],)
+
+
+class Releasing(BlockAccumulator[int]):
+    """Counts the blocks that are released as soon as it holds them no longer."""
+
+    def __init__(self):
+        super().__init__(0.0, LONGEST, Gridding(block=400, executor=in_threads(2)))
+        self.released = 0
+
+    def add_block(self, samples):
+        known = weakref.ref(samples)
+        del samples
+        self.released += known() is None
+
+    def add_sums(self, later):
+        self.released += later.released
+
+    def total(self):
+        return self.released
+
+
+def test_a_block_is_held_by_nobody_but_the_work_on_it(seen):
+    (released,) = accumulate(_in_pieces(seen, 5), [Releasing()])
+    assert released == 4

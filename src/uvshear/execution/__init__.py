@@ -15,6 +15,7 @@ from uvshear.execution.dask_connection import connected
 from uvshear.execution.dask_errors import ClusterLost
 from uvshear.execution.dask_executor import Dask
 from uvshear.execution.executor import Executor
+from uvshear.execution.free_memory import give_back_free_memory
 from uvshear.execution.libraries import single_threaded_libraries, start_libraries_with_one_thread
 from uvshear.execution.processes import Processes, end_processes
 from uvshear.execution.promise import Promise
@@ -45,6 +46,7 @@ __all__ = [
     "copy_process",
     "end_copies",
     "end_processes",
+    "give_back_free_memory",
     "in_copies",
     "in_processes",
     "in_threads",

@@ -11,14 +11,11 @@ Value = TypeVar("Value")
 class UsedValue(Generic[Value]):
     """A value with a known number of uses.
 
-    Parameters
-    ----------
-    work_out
-        Function that returns the value. It is called when the value is first used; other users wait meanwhile.
+    It does not hold the function that works it out: that of an object which holds the value would tie the two together,
+    and their memory would stay occupied until the garbage collector looked at them.
     """
 
-    def __init__(self, work_out: Callable[[], Value]) -> None:
-        self._work_out = work_out
+    def __init__(self) -> None:
         self._lock, self._uses = Lock(), 0
         self._known: list[Value] = []
 
@@ -32,11 +29,14 @@ class UsedValue(Generic[Value]):
         self._uses += 1
 
     @contextmanager
-    def used(self) -> Iterator[Value]:
-        """Yield the value for one use; after the last one it is released."""
+    def used(self, work_out: Callable[[], Value]) -> Iterator[Value]:
+        """Yield the value for one use; after the last one it is released.
+
+        ``work_out`` returns the value. It is called when the value is first used; other users wait meanwhile.
+        """
         with self._lock:
             if not self._known:
-                self._known.append(self._work_out())
+                self._known.append(work_out())
             (value,) = self._known
         yield value
         with self._lock:

@@ -3,6 +3,7 @@
 from abc import abstractmethod
 from typing import Self
 
+from uvshear.execution import give_back_free_memory
 from uvshear.interferometer.accumulate import Accumulator, Result_co
 from uvshear.interferometer.samples import Samples
 from uvshear.interferometer.visibilities import Visibilities
@@ -56,7 +57,7 @@ class BlockAccumulator(Accumulator[Result_co]):
 
     @abstractmethod
     def add_block(self, samples: Samples) -> None:
-        """Process a block of samples."""
+        """Process a block of samples, which nobody else holds."""
 
     @abstractmethod
     def add_sums(self, later: Self) -> None:
@@ -77,6 +78,12 @@ class BlockAccumulator(Accumulator[Result_co]):
             self._held += len(part)
 
     def _work_on_waiting(self) -> None:
+        self.add_block(self._joined())
+        give_back_free_memory()
+
+    def _joined(self) -> Samples:
+        """Return the waiting samples, and hold them no longer."""
         block = Samples.join(self._waiting)
         self._waiting, self._held = [], 0
-        self.add_block(block)
+        give_back_free_memory()
+        return block

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 from typing import Self, TypeAlias, TypeVar
@@ -80,21 +80,22 @@ class Gridding:
 
     @classmethod
     def within(cls, resources: Resources, samples: int, epsilon: float = 1e-4) -> Self:
-        """Plan for a number of samples.
+        """Plan for a number of samples; what a block of them takes is no memory for images.
 
         Raises
         ------
         InputError
             The memory does not hold a block of the samples.
         """
-        gridding = cls(epsilon, resources.executor, resources.memory)
+        gridding = cls(epsilon, resources.executor)
         needed = min(samples, gridding.rows_block) * BYTES_PER_SAMPLE
         if resources.memory < needed:
             raise InputError(
                 f"--memory-gb {resources.memory / 1e9:.2g} (memory=): {math.ceil(needed / 1e7) / 100:g} GB or more are"
                 f" needed for {samples} samples"
             )
-        return gridding
+        of_block = min(samples, gridding.block) * BYTES_PER_SAMPLE
+        return replace(gridding, memory=max(0.0, resources.memory - of_block))
 
     def executor_for(self, pixels: int, samples: int) -> Executor:
         """Return an executor whose workers' images, of ``pixels`` pixels along a side, fit into the memory together.

@@ -1,6 +1,11 @@
 """Images of tiles in parts, by several workers."""
 
+import gc
+import subprocess
+import sys
+import weakref
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +16,7 @@ from uvshear.extraction.converged import residual_tiles
 from uvshear.imaging.tangent import TangentPlane
 from uvshear.predict import gridded
 
+ROOT = Path(__file__).parents[3]
 CHANNELS = np.array([1.05e9, 1.2e9, 1.4e9])
 
 
@@ -75,3 +81,53 @@ def test_images_are_discarded_when_they_are_no_longer_needed(field, monkeypatch)
     for of_band in tiles:
         for tile in of_band:
             assert not tile.images.is_held
+
+
+@pytest.mark.parametrize("executor", [SERIAL, Threads(2)])
+def test_samples_are_released_without_the_garbage_collector(field, executor, monkeypatch):
+    """It looks seldom at what is old, and never at what was there when copies were made: blocks would pile up."""
+    made = []
+    build = residual_tiles._tiles_of_bands
+
+    def watched(residuals):
+        made.append(weakref.ref(residuals))
+        return build(residuals)
+
+    monkeypatch.setattr(residual_tiles, "_tiles_of_bands", watched)
+    gc.disable()
+    try:
+        _facets(field, executor)
+        (residuals,) = made
+        assert residuals() is None
+    finally:
+        gc.enable()
+
+
+WATCH_BLOCKS = """
+import weakref
+
+from tests.extraction.converged.major_cycles import SKY, small_field
+from uvshear.extraction.converged import major_cycle
+
+blocks, held = [], []
+divide, image = major_cycle._parts, major_cycle.add_to_facets
+
+def divided(samples, *rest):
+    blocks.append(weakref.ref(samples))
+    return divide(samples, *rest)
+
+def imaged(*arguments):
+    held.extend(block() is not None for block in blocks)
+    return image(*arguments)
+
+major_cycle._parts, major_cycle.add_to_facets = divided, imaged
+small_field(rows=500).residuals(SKY)
+print(held)
+"""
+
+
+def test_a_block_is_released_before_it_is_imaged():
+    """The samples of its bands are copies. Where annotations are checked, as they are here, calls hold arguments."""
+    command = [sys.executable, "-c", WATCH_BLOCKS]
+    run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert run.stdout == "[False]\n"

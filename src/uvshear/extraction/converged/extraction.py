@@ -148,7 +148,7 @@ class ConvergedExtraction(Extraction):
         epsilon = self._epsilon(field)
         planner = Planner.from_field(modelled, baselines, self.scale_lengths, epsilon)
         gridding = Gridding.within(setting.resources, field.summary.samples, epsilon)
-        gridding = replace(gridding, memory=(1 - HELD_PART) * gridding.memory)
+        gridding = replace(gridding, memory=gridding.memory - HELD_PART * setting.resources.memory)
         rough_cycles = min(WITHOUT_LONGEST, self.most_major_cycles - 1)
         workload = Workload(
             planner,

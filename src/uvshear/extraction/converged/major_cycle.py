@@ -251,15 +251,18 @@ class ResidualAccumulator(BlockAccumulator[Facets]):
     def add_block(self, samples: Samples) -> None:
         """Subtract the models, image the residual and cut out the facets, from the coarsest band to the finest."""
         plan, sky, gridding = self._plan, self._sky, self._gridding
+        count = len(samples)
         bands = range(len(plan.bands) - 1, plan.top - 1, -1)
         views = [
             BandView(part, plan.tiles[b], self._filters[b], plan.bands[b])
             for b, part in zip(bands, _parts(samples, plan, bands, gridding.executor), strict=True)
         ]
 
+        del samples  # those of the bands are copies
+
         def tell(share: float) -> None:
             if self._on_samples is not None:
-                self._on_samples(share * len(samples) / 2)
+                self._on_samples(share * count / 2)
 
         residuals = _weighted_residuals(views, sky, gridding, tell)
         for share in add_to_facets(residuals, plan, self._facets, gridding):

@@ -7,6 +7,7 @@ do not wait for one another at the end of each band.
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
@@ -88,7 +89,7 @@ def add_to_facets(
         return each.work / (len(each) * whole)
 
     def cut(each: _ImagedTile) -> float:
-        with each.images.used() as images:
+        with each.used_images() as images:
             _cut(images, each.tile, each.filters, plan, facets)
         return 0.0
 
@@ -152,7 +153,7 @@ class _ImagedTile:
         self._rows = slabs(len(self.view.samples))
         self._parts = [Promise[Float[Array, "l m"]]() for _ in range(len(self))]
         # They are completed when they are first needed, by which time the parts of coarser bands are mostly done.
-        self.images: UsedValue[Images] = UsedValue(self._complete)
+        self.images: UsedValue[Images] = UsedValue()
         self._parent = parent
         if self.is_top:
             self.images.announce_use()
@@ -166,6 +167,10 @@ class _ImagedTile:
     def work(self) -> float:
         """Estimated cost of its images, on one core [ns]."""
         return len(self.filters.seen_as) * work_of(len(self.view.samples), self.tile)
+
+    def used_images(self) -> AbstractContextManager[Images]:
+        """Return a context that yields the complete images for one use."""
+        return self.images.used(self._complete)
 
     def image(self, part: int) -> None:
         """Image one part, and add it to the previous slab of its filter."""
@@ -199,7 +204,7 @@ class _ImagedTile:
 
     def _add_coarser(self, images: Images, parent: "_ImagedTile") -> None:
         (i, j), (k, l) = self.tile.origin, parent.tile.origin
-        with parent.images.used() as coarser:
+        with parent.used_images() as coarser:
             for source, image in zip(self.filters.chosen.tolist(), images, strict=True):
                 add_refined(image, parent.filters.mixed(coarser, source), (i - 2 * k, j - 2 * l))
 
