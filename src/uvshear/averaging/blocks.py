@@ -11,7 +11,8 @@ from uvshear.typing import Array, Float
 
 SAMPLES: Final = 2**21
 """Number of samples with which a block is complete. The sums of one baseline over a few integrations then lie in the
-cache: 9.3e7 visibilities of MeerKAT take 5.0 s of processor time instead of 6.1 s with a chunk at a time."""
+cache: averages of 9.3e7 visibilities of MeerKAT, reading and writing included, took 15.9 s of processor time instead of
+21.2 s with a chunk at a time."""
 
 
 def blocks_of(chunks: Iterable[Visibilities], samples: int = SAMPLES) -> Iterator[Visibilities]:

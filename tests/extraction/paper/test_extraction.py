@@ -145,7 +145,8 @@ def test_progress_ends_at_what_there_was_to_do(scene, monkeypatch, times, major_
     options = with_extraction(ONE_PASS)
     extract(observation, catalogue, options, progress=lambda *x: heard.append(x))
     rows = len(observation.blocks[0])
-    assert heard == [(rows * k, rows * max(k, 2)) for k in range(1, major_cycles + 1)]
+    cycles = [(rows * k, rows * max(k, 2)) for k in range(1, major_cycles + 1)]
+    assert heard == [*cycles, cycles[-1]]  # the end is told as well
 
 
 def test_the_record_tells_how_sources_were_told_apart(scene):
