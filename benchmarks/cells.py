@@ -1,6 +1,6 @@
 """Averages over cells of (u, v, w) (``uvshear average``): their shapes beside those of the visibilities, and the speed.
 
-    python benchmarks/cells.py [--record cells]
+    python benchmarks/cells.py [--parts exact noisy] [--record cells]
 
 MeerKAT with integrations of 8 s observes galaxies within 15 arcmin, first without noise, then with noise that leaves a
 signal-to-noise ratio of about 100. Galaxies within 42 arcmin follow, without noise and with a signal-to-noise ratio of
@@ -43,12 +43,15 @@ def main() -> None:
     """Simulate, average, measure, print, write."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--threads", type=int, default=2)
+    parser.add_argument("--parts", nargs="+", choices=[*PARTS, "speed"], default=[*PARTS, "speed"])
     parser.add_argument("--record", help="name of a record to write to benchmarks/results")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        figures = exact(folder) | noisy(folder) | wide(folder) | spectra(folder)
-        figures |= speed(folder, arguments.threads)
+        figures: dict[str, float] = {}
+        for part in arguments.parts:
+            threads = arguments.threads
+            figures |= speed(folder, threads) if part == "speed" else PARTS[part](folder)
     for figure, value in figures.items():
         print(f"{figure}: {value:.4g}")
     if arguments.record:
@@ -57,8 +60,8 @@ def main() -> None:
             figures,
             [5, 1],
             title=(
-                "uvshear average, MeerKAT, integrations of 8 s, fields of 30 and 84 arcmin: galaxies with and without"
-                f" noise, and 58 million visibilities; {arguments.threads} threads."
+                "uvshear average, MeerKAT, integrations of 8 s, fields of 30 and 84 arcmin:"
+                f" {', '.join(arguments.parts)}; {arguments.threads} threads."
             ),
         )
 
@@ -190,6 +193,9 @@ def measured(path: Path, catalogue: Path, *words: str) -> Table:
 
 def run(*words: object) -> None:
     subprocess.run([sys.executable, "-m", "uvshear", *map(str, words)], check=True)
+
+
+PARTS = {"exact": exact, "noisy": noisy, "wide": wide, "spectra": spectra}
 
 
 if __name__ == "__main__":
