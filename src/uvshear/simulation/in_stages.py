@@ -32,7 +32,7 @@ def blocks_in_stages(
 
     The first prediction is planned before its stage begins.
     """
-    parts = observation.parts
+    parts = observation.row_ranges
     if not parts:
         return
     planned = observation.planned(parts[0], executor)
@@ -66,7 +66,7 @@ class _Work:
 
     def stages(self, number: int) -> tuple[Stage, Stage]:
         """Return the stages of some of the blocks."""
-        parts, channels = self.observation.parts, len(self.observation.channels)
+        parts, channels = self.observation.row_ranges, len(self.observation.channels)
         rows, of_all = parts[number], f" {number + 1} of {len(parts)}" if len(parts) > 1 else ""
         prediction = self.first_cost * len(rows) / len(parts[0])
         if number:

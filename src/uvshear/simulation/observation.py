@@ -132,14 +132,14 @@ class SimulatedObservation:
         return max(1, SAMPLES_PER_SLAB // len(self.channels))
 
     @property
-    def parts(self) -> list[range]:
+    def row_ranges(self) -> list[range]:
         """Rows that are predicted together."""
         together, rows = BLOCKS_PER_PREDICTION * self._rows_per_block, len(self.coverage)
         return [range(k, min(k + together, rows)) for k in range(0, rows, together)]
 
     def blocks(self, executor: Executor = SERIAL) -> Iterator[CorrelationBlock]:
         """Simulate the correlations, a block of rows at a time; workers make the next blocks while one is used."""
-        for rows in self.parts:
+        for rows in self.row_ranges:
             sky = self.planned(rows, executor).visibilities(executor).astype(np.complex64)
             yield from self.blocks_of(rows.start, sky, executor)
 
