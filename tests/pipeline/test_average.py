@@ -12,7 +12,7 @@ from tests.pipeline.fields import catalogue_of_sky, vla_field
 from tests.progress.heard import Heard
 from tests.skies import galaxies
 from uvshear.constants import ARCMIN, ARCSEC
-from uvshear.errors import InputError
+from uvshear.errors import InputError, NothingMeasuredWarning
 from uvshear.execution import Resources, Serial
 from uvshear.extraction import Model
 from uvshear.galaxy import CatalogueSize, Exponential
@@ -83,7 +83,7 @@ def _shapes(seen, visibilities):
 def test_there_are_fewer_rows_with_the_same_weight(seen):
     total = sum(float(chunk.weights.sum()) for chunk in seen.observation.chunks())
     averages = list(open_observation(seen.path).chunks())
-    assert sum(map(len, averages)) == seen.averaged.rows < 0.4 * seen.averaged.samples
+    assert sum(map(len, averages)) == seen.averaged.rows < 0.5 * seen.averaged.samples
     assert sum(float(chunk.weights.sum()) for chunk in averages) == pytest.approx(total, rel=1e-5)
 
 
@@ -97,10 +97,10 @@ def test_shapes_are_the_same_to_5e_4_and_so_are_their_errors(seen):
     np.testing.assert_allclose(error_too, error, rtol=0.03)
 
 
-def test_without_its_loss_a_source_away_from_the_centre_leaves_a_residual(seen):
-    table = _measured(seen, seen.path, replace(MODEL, smears=False))
-    assert table["flag"][0] == "ok"
-    assert (table["flag"][1:] == "contaminated").all()
+def test_without_their_loss_bright_sources_leave_a_residual(seen):
+    with pytest.warns(NothingMeasuredWarning, match="contaminated"):
+        table = _measured(seen, seen.path, replace(MODEL, smears=False))
+    assert (table["flag"] == "contaminated").all()
 
 
 def test_a_second_night_adds_samples_and_hardly_any_rows(seen, tmp_path):
