@@ -56,8 +56,8 @@ def average(
         typer.Option(
             callback=positive,
             rich_help_panel=METHOD,
-            help="Rms change of the shape of a source on the edge of the field, over its error. With 0.02 there are about"
-            " twice as many rows as by default.",
+            help="Rms change of the shape of a source on the edge of the field, over its error. With 0.02 there are"
+            " about twice as many rows as by default.",
         ),
     ] = 0.06,
     column: ColumnOption = "DATA",
