@@ -20,7 +20,7 @@ BYTES_PER_CELL: Final = 8 * cell_sums.COLUMNS + 8 + 2 * 4
 """Memory of a cell: its sums, its key, and two hashes."""
 
 CELLS_AT_A_TIME: Final = 2**17
-"""Number of cells whose averages are made together, which take some 80 MB."""
+"""Number of cells whose averages are made together, which take some 200 MB."""
 
 SMALLEST: Final = 2**12
 """Number of cells for which a table has room at first."""

@@ -54,7 +54,7 @@ def average(
     field_arcmin
         Width of the field in which sources will be measured [arcmin].
     accuracy
-        Error of the modelled loss of a source at the edge of the field.
+        Rms change of the shape of a source at the edge of the field, over its error.
     resources
         Workers, and memory for the sums.
     overwrite

@@ -17,7 +17,8 @@ A node is at the mean of its \mu_kj and has their second moments, which may be n
 
 What nodes do not keep of a source with the phase phi = s . (u, v, w) is, to fourth order, the part of phi^2/2 that is
 not linear. The squared amplitude of the source is smaller on average by the variance of this part, a form of fourth
-degree in s, which the rows have as ``fourth``. There the squares of the nodes' second moments are made up for.
+degree in s, which the rows have as ``fourth``. The form also makes up for the squares of the nodes' second moments,
+which the Gaussian of these moments contains.
 
 Along a line there are two nodes, those of Gaussian quadrature for the samples' weights. They are the corners of an
 equilateral triangle in a plane, and of a regular tetrahedron in space. Directions along which the samples hardly
