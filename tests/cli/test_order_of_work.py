@@ -80,7 +80,7 @@ def nothing_works(files: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         raise WorkHasBegunError
 
     monkeypatch.setattr(MeasurementSet, "unchecked_chunks", begin)
-    monkeypatch.setattr(SimulatedObservation, "blocks", begin)
+    monkeypatch.setattr(SimulatedObservation, "planned", begin)
     monkeypatch.setattr(isolated, "_run", begin)
     monkeypatch.setattr(shear, "estimate_sample_shear", begin)
 

@@ -146,7 +146,7 @@ class SimulatedObservation:
     def blocks_of(
         self, start: int, sky: Complex[Array, "row chan"], executor: Executor = SERIAL
     ) -> Iterator[CorrelationBlock]:
-        """Add noise to the predicted visibilities of the rows from ``start`` on, whose number is that of ``parts``."""
+        """Add noise to the predicted visibilities of the rows from ``start`` on, which are one of ``row_ranges``."""
 
         def block(first: int) -> CorrelationBlock:
             return self._observed(sky[first : first + self._rows_per_block], start + first)
