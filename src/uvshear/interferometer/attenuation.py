@@ -21,6 +21,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -34,6 +35,9 @@ from uvshear.interferometer.kernels import (
 )
 from uvshear.interferometer.samples import Samples
 from uvshear.typing import Array, Float
+
+AT_A_TIME: Final = 2**15
+"""Number of samples whose attenuation is worked out together for one source: what is prepared stays in the cache."""
 
 
 class AttenuatedSamples(ABC):
@@ -87,7 +91,10 @@ class PreparedAttenuation(Attenuation):
     def factor(self, samples: Samples, l: float, m: float) -> Float[Array, " sample"]:
         """Factor of each sample for a point source at these direction cosines."""
         factors = np.ones((1, len(samples)))
-        self.over(samples).multiply(factors, np.array([l]), np.array([m]))
+        for start in range(0, len(samples), AT_A_TIME):
+            some = slice(start, start + AT_A_TIME)
+            prepared = self.over(samples.select(some))
+            prepared.multiply(factors[:, some], np.array([l]), np.array([m]))
         return factors[0]
 
     @abstractmethod
@@ -155,6 +162,13 @@ class CellSmearing(PreparedAttenuation):
         return _Scattered(samples.scatter)
 
 
+_PLACES: Final = tuple(np.array(places) for places in (SECOND, FOURTH))
+"""Coordinates whose products the coefficients of each degree stand for."""
+
+_ORDERS: Final = np.array([permutations_of(place) for place in (*SECOND, *FOURTH)], float)
+"""Number of times that each product occurs."""
+
+
 @dataclass(frozen=True)
 class _Scattered(AttenuatedSamples):
     """Average over baselines with these moments [wavelengths^2, wavelengths^4]."""
@@ -171,12 +185,9 @@ class _Scattered(AttenuatedSamples):
             return
         with np.errstate(invalid="ignore"):  # beyond the horizon
             directions = np.stack([l, m, n_minus_one(l, m)], axis=-1)
-        places = [*SECOND, *FOURTH]
-        orders = np.array([permutations_of(place) for place in places], float)
-        form = np.stack(
-            [math.prod(2 * math.pi * directions[:, a] for a in place) for place in places], axis=-1
-        )
-        multiply_by_gaussian(self.scatter, -form * orders / 2, factors)
+        turning = 2 * math.pi * directions
+        form = np.concatenate([turning[:, places].prod(axis=-1) for places in _PLACES], axis=-1)
+        multiply_by_gaussian(self.scatter, -form * _ORDERS / 2, factors)
 
 
 @dataclass(frozen=True)
