@@ -1,14 +1,20 @@
 """930 million visibilities of MeerKAT, averaged over cells and measured (``uvshear average``).
 
-    python benchmarks/many_samples.py --folder DIR [--pieces 10] [--nights 4] [--record many_samples]
+    python benchmarks/many_samples.py --folder DIR [--parts whole tenth nights] [--record many_samples]
 
 300 galaxies and 20 points within 15 arcmin are seen for 8 h, with integrations of 8 s and 128 channels between 856 and
-1712 MHz. The observation is simulated in pieces of 0.8 h, which take 2.9 GB each and stay in the folder, as do the
-shapes; what is there already is not made again. All pieces are averaged together and measured. The first piece, a
-tenth of the samples, is measured both directly and from averages. Further nights repeat its hour angles.
+1712 MHz. The observation is simulated in pieces of 0.8 h, which take 2.9 GB each and stay in the folder; those that are
+there already are not made again. There are three parts:
+
+- ``whole``: all pieces are averaged together and measured;
+- ``tenth``: the first piece, a tenth of the samples, is measured both directly and from averages;
+- ``nights``: further nights repeat the hour angles of the first piece, and are averaged with it and measured.
+
+The figures of each part are saved in the folder. The record has those of all parts that were run at this commit.
 """
 
 import argparse
+import json
 import os
 import re
 import shutil
@@ -21,7 +27,7 @@ from pathlib import Path
 
 import numpy as np
 from astropy.table import Table
-from record import RESULTS, write_record
+from record import RESULTS, commit, write_record
 
 import uvshear
 from uvshear.constants import ARCMIN, ARCSEC
@@ -33,6 +39,7 @@ TELESCOPE = (
     "--layout meerkat --declination-deg -30 --integration-s 8 --smearing --band-mhz 856 1712"
     " --channels 128 --snr-at 300 30"
 )
+PIECES, NIGHTS = 10, 4
 HOURS = 0.8
 """Length of a piece; together they are centred on transit."""
 
@@ -48,32 +55,28 @@ class Run:
 
 
 def main() -> None:
-    """Simulate what is missing, average, measure, compare, write."""
+    """Simulate what is missing, average, measure, compare, save, write."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--folder", type=Path, required=True)
-    parser.add_argument("--pieces", type=int, default=10)
-    parser.add_argument("--nights", type=int, default=4)
+    parser.add_argument("--parts", nargs="+", choices=PARTS, default=list(PARTS))
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--record", help="name of a record to write to benchmarks/results")
     arguments = parser.parse_args()
     folder = arguments.folder
     folder.mkdir(parents=True, exist_ok=True)
-    catalogue = folder / "sky.fits"
-    if not catalogue.exists():
-        draw(catalogue)
-    pieces = [simulated(folder, catalogue, k, seed=k + 1) for k in range(arguments.pieces)]
-    nights = [pieces[0]]
-    nights += [simulated(folder, catalogue, 0, seed=101 + k) for k in range(arguments.nights - 1)]
-    figures = whole(folder, pieces, catalogue, arguments.threads)
-    figures |= tenth(folder, pieces[0], catalogue, arguments.threads)
-    figures |= repeated(folder, nights, catalogue, arguments.threads)
-    for figure, value in figures.items():
-        print(f"{figure}: {value:.4g}")
+    if not (folder / "sky.fits").exists():
+        draw(folder / "sky.fits")
+    for part in arguments.parts:
+        found = dict(PARTS[part](folder, arguments.threads))
+        saved = {"commit": commit(), "figures": found}
+        (folder / f"{part}.json").write_text(json.dumps(saved, indent=2), encoding="utf-8")
+        for figure, value in found.items():
+            print(f"{figure}: {value:.4g}", flush=True)
     if arguments.record:
         write_record(
             RESULTS / f"{arguments.record}.json",
-            figures,
-            [*range(1, arguments.pieces + 1), *range(101, 100 + arguments.nights)],
+            figures_of_commit(folder),
+            [*range(1, PIECES + 1), *range(101, 100 + NIGHTS)],
             title=(
                 "uvshear average --field-arcmin 30: MeerKAT, 8 h, integrations of 8 s, 128 channels, 300 galaxies and"
                 f" 20 points; {arguments.threads} threads."
@@ -81,10 +84,22 @@ def main() -> None:
         )
 
 
-def whole(
-    folder: Path, pieces: Sequence[Path], catalogue: Path, threads: int
-) -> Mapping[str, float]:
+def figures_of_commit(folder: Path) -> dict[str, float]:
+    """Return the figures of all parts that were run at this commit."""
+    figures: dict[str, float] = {}
+    for path in (folder / f"{part}.json" for part in PARTS):
+        if path.exists():
+            saved = json.loads(path.read_text(encoding="utf-8"))
+            figures |= saved["figures"] if saved["commit"] == commit() else {}
+    return figures
+
+
+def whole(folder: Path, threads: int) -> Mapping[str, float]:
     """Average all pieces for both fields, and measure the averages for the smaller one."""
+    pieces, catalogue = (
+        [simulated(folder, k, seed=k + 1) for k in range(PIECES)],
+        folder / "sky.fits",
+    )
     compact, wide = folder / "compact.ms", folder / "wide-compact.ms"
     averaged, found = average(pieces, compact, FIELD, threads)
     seen, run = measure(compact, catalogue, threads)
@@ -114,16 +129,13 @@ def whole(
     }
 
 
-def tenth(folder: Path, piece: Path, catalogue: Path, threads: int) -> Mapping[str, float]:
+def tenth(folder: Path, threads: int) -> Mapping[str, float]:
     """Compare shapes of a piece from the visibilities and from averages, with the same noise."""
+    piece, catalogue = simulated(folder, 0, seed=1), folder / "sky.fits"
     compact = folder / "tenth-compact.ms"
     _, found = average([piece], compact, FIELD, threads)
     seen, run = measure(compact, catalogue, threads)
-    shapes = folder / f"{piece.stem}-shapes.fits"
-    direct_s = 0.0
-    if not shapes.exists():
-        direct_s = measure(piece, catalogue, threads)[1].wall_s
-    direct = Table.read(shapes)
+    direct, direct_run = measure(piece, catalogue, threads)
     good = (np.asarray(direct["flag"]) == "ok") & (np.asarray(seen["flag"]) == "ok")
     apart = np.concatenate(
         [(seen[e] - direct[e])[good] / direct[f"{e}_err"][good] for e in ("e1", "e2")]
@@ -136,18 +148,19 @@ def tenth(folder: Path, piece: Path, catalogue: Path, threads: int) -> Mapping[s
         "tenth_error_percent": 100
         * float(np.mean(seen["e1_err"][good] / direct["e1_err"][good]) - 1),
         "tenth_measure_s": run.wall_s,
-        "tenth_direct_s": direct_s,
+        "tenth_direct_s": direct_run.wall_s,
+        "tenth_direct_cpu_s": direct_run.cpu_s,
     }
 
 
-def repeated(
-    folder: Path, nights: Sequence[Path], catalogue: Path, threads: int
-) -> Mapping[str, float]:
+def nights(folder: Path, threads: int) -> Mapping[str, float]:
     """Average and measure one, two and all nights of the same hour angles."""
+    seen, catalogue = [simulated(folder, 0, seed=1)], folder / "sky.fits"
+    seen += [simulated(folder, 0, seed=101 + k) for k in range(NIGHTS - 1)]
     figures: dict[str, float] = {}
-    for count in sorted({1, 2, len(nights)}):
+    for count in (1, 2, NIGHTS):
         compact = folder / "nights-compact.ms"
-        _, found = average(nights[:count], compact, FIELD, threads)
+        _, found = average(seen[:count], compact, FIELD, threads)
         _, run = measure(compact, catalogue, threads)
         figures |= {
             f"nights_{count}_million_rows": found["rows"] / 1e6,
@@ -179,13 +192,16 @@ def draw(path: Path) -> None:
     uvshear.write_catalogue(path, uvshear.catalogue_from_galaxies(sky, CENTRE))
 
 
-def simulated(folder: Path, catalogue: Path, piece: int, seed: int) -> Path:
+PARTS = {"whole": whole, "tenth": tenth, "nights": nights}
+
+
+def simulated(folder: Path, piece: int, seed: int) -> Path:
     """Simulate a piece, unless it is there."""
     path = folder / (f"piece-{piece}.ms" if seed == piece + 1 else f"night-{seed}.ms")
     if not path.exists():
         start = -4 + HOURS * piece
         run_command(
-            *("simulate", "--catalogue", catalogue, *TELESCOPE.split(), "--seed", seed),
+            *("simulate", "--catalogue", folder / "sky.fits", *TELESCOPE.split(), "--seed", seed),
             *("--hour-angles", f"{start:.1f}", f"{start + HOURS:.1f}", "-o", path),
         )
     return path
