@@ -111,6 +111,13 @@ def test_memory_that_does_not_hold_a_block_is_refused():
         Gridding.within(Resources(SERIAL, 1e8), 10**8)
 
 
+def test_moments_of_averages_count_as_memory_of_a_block():
+    resources = Resources(SERIAL, 8e9)
+    plain, averages = (Gridding.within(resources, 10**9, moments=k) for k in (0, 21))
+    # Two blocks hold them in single precision.
+    assert plain.memory - averages.memory == 2 * BLOCK * 21 * np.float32().nbytes
+
+
 def test_without_a_limit_all_workers_are_used():
     assert Gridding(executor=in_threads(5)).executor_for(10_000, 10**9).workers == 5
 

@@ -162,7 +162,7 @@ class Measurement:
         field = self._field(observation, model, resources)
         centre = field.observation.phase_centre
         meter = Meter(progress)
-        samples = field.summary.samples
+        samples, moments = field.summary.samples, field.summary.probes.scatter.shape[1]
         meter.begin(Stage("residual image", samples, samples, "visibilities"))
         is_modelled = self.record.get("models_attenuation", True)
         limits = self.record.get("uv_range")
@@ -172,7 +172,7 @@ class Measurement:
             field.model.profile,
             summary=field.summary,
             uv_range=UvRange(*limits) if isinstance(limits, list) else UvRange(),
-            gridding=Gridding.within(field.resources, field.summary.samples),
+            gridding=Gridding.within(field.resources, samples, moments=moments),
             attenuation=field.model.attenuation(centre.dec) if is_modelled else None,
             # Every sample is predicted once and imaged twice.
             step=lambda samples: meter.add(samples / 3),

@@ -37,6 +37,9 @@ with 2^21, and 6 times with 2^18."""
 BYTES_PER_SAMPLE = 160
 """Memory for each sample of a block: the sample in the blocks of two accumulators, and its model."""
 
+BYTES_PER_MOMENT = 8
+"""Memory for each moment of a sample that is an average (``Samples.scatter``), in two blocks."""
+
 BYTES_IN_FLIGHT = 96
 """Memory for each sample of a slab while it is gridded: its baseline as seen from a tile, the gridder's index, and the
 visibilities of two slabs that wait to be added."""
@@ -79,8 +82,12 @@ class Gridding:
         return 3 * self.block // 2
 
     @classmethod
-    def within(cls, resources: Resources, samples: int, epsilon: float = 1e-4) -> Self:
+    def within(
+        cls, resources: Resources, samples: int, epsilon: float = 1e-4, moments: int = 0
+    ) -> Self:
         """Plan for a number of samples; what a block of them takes is no memory for images.
+
+        ``moments`` is the number of moments that each sample carries; averages over cells have some.
 
         Raises
         ------
@@ -88,13 +95,14 @@ class Gridding:
             The memory does not hold a block of the samples.
         """
         gridding = cls(epsilon, resources.executor)
-        needed = min(samples, gridding.rows_block) * BYTES_PER_SAMPLE
+        each = BYTES_PER_SAMPLE + moments * BYTES_PER_MOMENT
+        needed = min(samples, gridding.rows_block) * each
         if resources.memory < needed:
             raise InputError(
                 f"--memory-gb {resources.memory / 1e9:.2g} (memory=): {math.ceil(needed / 1e7) / 100:g} GB or more are"
                 f" needed for {samples} samples"
             )
-        of_block = min(samples, gridding.block) * BYTES_PER_SAMPLE
+        of_block = min(samples, gridding.block) * each
         return replace(gridding, memory=max(0.0, resources.memory - of_block))
 
     def executor_for(self, pixels: int, samples: int) -> Executor:

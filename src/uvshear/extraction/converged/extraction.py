@@ -147,7 +147,9 @@ class ConvergedExtraction(Extraction):
         modelled = ModelledField.from_field(field, setting.model, centre.dec)
         epsilon = self._epsilon(field)
         planner = Planner.from_field(modelled, baselines, self.scale_lengths, epsilon)
-        gridding = Gridding.within(setting.resources, field.summary.samples, epsilon)
+        summary = field.summary
+        moments = summary.probes.scatter.shape[1]
+        gridding = Gridding.within(setting.resources, summary.samples, epsilon, moments)
         gridding = replace(gridding, memory=gridding.memory - HELD_PART * setting.resources.memory)
         rough_cycles = min(WITHOUT_LONGEST, self.most_major_cycles - 1)
         workload = Workload(
