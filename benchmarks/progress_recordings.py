@@ -66,6 +66,10 @@ class Recorder(Observer):
         """Write down how far the stage is."""
         self._write("advance", [round(done, 1), round(expected, 1)])
 
+    def foresee(self, *then: Stage) -> None:
+        """Write down which stages are expected from now on."""
+        self._write("foresee", [_values(each) for each in then])
+
     def note(self, facts: Mapping[str, object]) -> None:
         """Write down how much a cycle has changed the sky."""
         if "change_rms" in facts:

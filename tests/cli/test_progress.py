@@ -17,7 +17,7 @@ from uvshear.progress import Course, Meter, Stage
 LINE = re.compile(
     r"uvshear: (?P<work>[a-z ]+): (?P<stage>[a-z 0-9]+)"
     r"(, \d+ % done)?"
-    r"(, (?P<rate>[\d.]+( thousand| million)?) (visibilities|rows|fits|galaxies)/s)?"
+    r"(, (?P<rate>[\d.]+( thousand| million)?) (visibilities|rows|cells|fits|galaxies)/s)?"
     r"(, (a few seconds|about [\d.]+ (s|min|h|days)) left)?"
 )
 

@@ -154,8 +154,14 @@ def test_reading_and_writing_are_stages(tmp_path):
     average(observation, tmp_path / "c.ms", field_arcmin=20, resources=SERIAL, progress=heard)
     assert heard.stages == ["averaging", "writing"]
     count = sum(chunk.stokes_i.size for chunk in observation.chunks())
-    read = [what for what in heard.all if what[0] == "advance"]
+    at = heard.all.index(("begin", "writing", ()))
+    read, written_cells = (
+        [what for what in part if what[0] == "advance"] for part in (heard.all[:at], heard.all[at:])
+    )
     assert read[-1] == ("advance", count, count)
+    # Two or more nodes of most cells.
+    assert written_cells[-1][1] == written_cells[-1][2] < count / 2
+    assert ("foresee", "writing") in heard.all[:at]
     assert heard.all[-1] == ("finish",)
 
 

@@ -15,6 +15,9 @@ class Heard(Observer):
     def advance(self, done, expected):
         self.all.append(("advance", done, expected))
 
+    def foresee(self, *then):
+        self.all.append(("foresee", *(each.name for each in then)))
+
     def note(self, facts):
         self.all.append(("note", dict(facts)))
 

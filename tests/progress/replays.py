@@ -53,6 +53,10 @@ def replayed(path: Path, slowness: float = 1.0) -> Iterator[Moment]:
             del came[0]
         elif what == "advance":
             course.advance(*values)
+        elif what == "foresee":
+            course.foresee(*(Stage(*each) for each in values))
+            is_foreseen = [each[0] for each in values] == came
+            continue
         else:
             continue
         for at in (time, (time + following) / 2):

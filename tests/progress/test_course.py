@@ -53,6 +53,17 @@ def test_time_goes_on_between_reports(course, clock):
     assert course.share == pytest.approx(7 / 20)
 
 
+def test_other_stages_may_be_foreseen(course, clock):
+    meter = Meter(course)
+    meter.begin(Stage("first", 10e9, 10.0), Stage("second", 10e9))
+    for _ in range(5):
+        clock.time += 1.0
+        meter.add()
+    assert course.left == pytest.approx(15.0)
+    meter.foresee(Stage("second", 30e9))
+    assert course.left == pytest.approx(35.0)
+
+
 def test_what_was_done_lately_tells_the_pace(course, clock):
     meter = Meter(course)
     meter.begin(Stage("first", 1e9, 100.0))

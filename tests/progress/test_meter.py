@@ -42,6 +42,16 @@ def test_a_stage_may_be_longer_than_expected():
     assert heard == [(30, 30), (40, 40)]
 
 
+def test_what_follows_may_turn_out_to_be_longer():
+    heard, progress = told()
+    meter = Meter(progress)
+    meter.begin(Stage("first", 60.0, 3.0), Stage("second", 40.0))
+    meter.add()
+    meter.foresee(Stage("second", 70.0), Stage("third", 10.0))
+    meter.add()
+    assert heard == [(20, 100), (40, 140)]
+
+
 def test_an_observer_is_told_of_stages_and_of_their_units():
     heard = Heard()
     meter = Meter(heard)

@@ -9,7 +9,15 @@ def test_all_observers_hear_the_same():
     meter = Meter(Observers(one, other))
     meter.begin(Stage("first", 1.0, 2.0), Stage("second"))
     meter.add()
+    meter.foresee(Stage("third"))
     meter.note(rms=0.1)
     meter.finish()
     assert one.all == other.all
-    assert [what[0] for what in one.all] == ["begin", "advance", "note", "advance", "finish"]
+    assert [what[0] for what in one.all] == [
+        "begin",
+        "advance",
+        "foresee",
+        "note",
+        "advance",
+        "finish",
+    ]

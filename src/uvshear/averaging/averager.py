@@ -7,7 +7,13 @@ from typing import TypeAlias
 import numpy as np
 
 from uvshear.averaging.blocks import blocks_of
-from uvshear.averaging.cell_table import BYTES_PER_CELL, Averages, CellTable, RowsToAverage
+from uvshear.averaging.cell_table import (
+    BYTES_PER_CELL,
+    CELLS_AT_A_TIME,
+    Averages,
+    CellTable,
+    RowsToAverage,
+)
 from uvshear.averaging.cells import Cells
 from uvshear.averaging.dish_pairs import DishPairs
 from uvshear.averaging.sub_bands import SubBand
@@ -100,15 +106,29 @@ class Averager:
                 self._pass_on(group, own)
             own.add_cells(table)
 
-    def finish(self) -> int:
-        """Pass all remaining averages on, and return the number of samples that all averages are made of."""
+    @property
+    def cells(self) -> int:
+        """Number of cells whose averages have not been passed on."""
+        return sum(map(len, self._tables.values()))
+
+    def finish(self, on_cells: Callable[[int], None] | None = None) -> int:
+        """Pass all remaining averages on, and return the number of samples that all averages are made of.
+
+        ``on_cells`` is called now and then with the number of cells since the last call.
+        """
         for group in sorted(self._tables, key=lambda group: (group.band.number, group.pair)):
-            self._pass_on(group, self._tables[group])
+            self._pass_on(group, self._tables[group], on_cells)
         return self._samples
 
-    def _pass_on(self, group: Group, table: CellTable) -> None:
+    def _pass_on(
+        self, group: Group, table: CellTable, on_cells: Callable[[int], None] | None = None
+    ) -> None:
+        left = len(table)
         for averages in self._executor.map(lambda make: make(), table.taken_in_parts()):
             self._sink(group, averages)
+            if on_cells is not None:
+                on_cells(min(CELLS_AT_A_TIME, left))
+            left -= CELLS_AT_A_TIME
 
     def _tasks(self, chunks: Iterable[Visibilities], pairs: DishPairs) -> Iterator["_Task"]:
         for seen in blocks_of(map(screened, chunks)):

@@ -35,6 +35,9 @@ class ProgressLines(Observer):
         """Show a line if it is time."""
         self._show_if_due()
 
+    def foresee(self, *then: Stage) -> None:
+        """Do nothing: the course has heard of it."""
+
     def note(self, facts: Mapping[str, object]) -> None:
         """Do nothing: a line tells of times alone."""
 

@@ -138,6 +138,9 @@ class RunLog(Observer):
             at = {"stage": name, "seconds": self._since_start(now), **self._share}
             self._write("progress", {**at, "memory_bytes": round(usage.memory)})
 
+    def foresee(self, *then: Stage) -> None:
+        """Do nothing: stages are written down when they end."""
+
     def note(self, facts: Mapping[str, object]) -> None:
         """Keep facts for the line about the stage."""
         self._facts.update(facts)

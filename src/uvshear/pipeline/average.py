@@ -24,6 +24,15 @@ from uvshear.pipeline.observation import ObservationLike, observation_of
 from uvshear.progress import Meter, Progress, Stage
 from uvshear.typing import Array, Float
 
+SAMPLE, CELL = 110.0, 1500.0
+"""Time in which a sample is averaged on one core, and in which the rows of a cell are written [ns]."""
+
+GAIN = 0.7
+"""Logarithm of the gain in speed by some workers, over that of their number."""
+
+NEW_CELLS = 0.8
+"""Logarithm of the growth of the number of cells, over that of the samples."""
+
 
 @dataclass(frozen=True)
 class Averaged:
@@ -73,19 +82,30 @@ def average(
     parts = parts_of(observation)
     pairs = DishPairs.from_diameters([_diameters(part) for part in parts])
     meter, total = Meter(progress), expected_samples(observation)
-    meter.begin(Stage("averaging", total, total, "visibilities"), Stage("writing"))
+    cost = total * SAMPLE / resources.executor.workers**GAIN
+    meter.begin(Stage("averaging", cost, total, "visibilities"), Stage("writing"))
     about = AveragedField(observation.phase_centre, _pointing(observation), pairs[0], cells)
     with new_averages(Path(output), about, overwrite=overwrite) as writer:
         averager = Averager(cells, writer.add, resources)
+        seen = 0.0
+
+        def on_samples(count: float) -> None:
+            nonlocal seen
+            seen += count
+            meter.add(count)
+            # Rows of later integrations lie partly in the cells of earlier ones.
+            expected = averager.cells * max(1.0, total / seen) ** NEW_CELLS
+            meter.foresee(Stage("writing", expected * CELL))
+
         in_files = [part for part in parts if isinstance(part, HasRows)]
         if len(in_files) == len(parts):
-            seen = list(zip(in_files, pairs, strict=True))
-            add_in_partitions(averager, seen, cells, resources, meter.add)
+            files = list(zip(in_files, pairs, strict=True))
+            add_in_partitions(averager, files, cells, resources, on_samples)
         else:
             for part, dishes in zip(parts, pairs, strict=True):
-                averager.add(counted(samples_to_average(part), meter.add), dishes)
-        meter.begin(Stage("writing"))
-        samples = averager.finish()
+                averager.add(counted(samples_to_average(part), on_samples), dishes)
+        meter.begin(Stage("writing", averager.cells * CELL, averager.cells, "cells"))
+        samples = averager.finish(meter.add)
         if not samples:
             raise InputError("no visibility carries weight; there is nothing to average")
         names = ", ".join(origin_of(part).name for part in parts)

@@ -50,6 +50,10 @@ class Course(Observer):
             self._mark = done, now
         self._running = replace(running, done=done, expected=expected, reported=now)
 
+    def foresee(self, *then: Stage) -> None:
+        """Note which stages are now expected."""
+        self._then = then
+
     def note(self, facts: Mapping[str, object]) -> None:
         """Do nothing: facts do not tell of the time."""
 

@@ -39,6 +39,12 @@ class Meter:
         if isinstance(self._progress, Observer):
             self._progress.begin(stage, *then)
 
+    def foresee(self, *then: Stage) -> None:
+        """Foresee other stages after this one than at its beginning."""
+        self._after = sum(each.cost for each in then)
+        if isinstance(self._progress, Observer):
+            self._progress.foresee(*then)
+
     def expect(self, amount: float) -> None:
         """Expect more units of this stage."""
         self._expected += amount

@@ -21,6 +21,10 @@ class Observer(ABC):
         """Hear how many units of the stage are done, and how many there will be in all."""
 
     @abstractmethod
+    def foresee(self, *then: Stage) -> None:
+        """Hear that these stages are now expected to follow the one that is under way."""
+
+    @abstractmethod
     def note(self, facts: Mapping[str, object]) -> None:
         """Hear facts about the stage, such as how far it has converged, in numbers, words and lists."""
 

@@ -22,6 +22,11 @@ class Observers(Observer):
         for observer in self._observers:
             observer.advance(done, expected)
 
+    def foresee(self, *then: Stage) -> None:
+        """Pass on which stages are now expected."""
+        for observer in self._observers:
+            observer.foresee(*then)
+
     def note(self, facts: Mapping[str, object]) -> None:
         """Pass on facts about the stage."""
         for observer in self._observers:
