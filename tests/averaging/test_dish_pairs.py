@@ -16,7 +16,11 @@ def _seen(antennas) -> Visibilities:
         weights=np.ones((rows, 1), np.float32),
         integrations=Integrations(np.array(antennas), np.zeros(rows), np.zeros(rows)),
         averages=AveragedRows(
-            np.arange(1.0 * rows), np.zeros(rows), np.zeros((rows, 6)), np.zeros((rows, 15))
+            np.arange(1.0 * rows),
+            np.zeros(rows),
+            np.zeros((rows, 6)),
+            np.zeros((rows, 15)),
+            np.ones(3),
         ),
     )
 

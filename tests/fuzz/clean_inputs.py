@@ -71,6 +71,10 @@ def write_clean_inputs(directory: Path) -> None:
     )
     _write_windows(directory)
     _run(
+        *("average", directory / "field.ms", "--field-arcmin", "1", "--accuracy", "0.5"),
+        *("-o", directory / "averages.ms"),
+    )
+    _run(
         *("measure", directory / "field.ms", "--catalogue", directory / "cat.ecsv"),
         *("--keep", "moments,bayesian,metacal", "--threads", "1", "-o", directory / "shapes.fits"),
     )

@@ -34,11 +34,14 @@ READ: Final = {
 }
 """Columns that hold what a measurement depends on, and some that repeat it."""
 
+OF_AVERAGES: Final = ("UVSHEAR_FREQUENCY", "UVSHEAR_WIDTH", "UVSHEAR_SECOND", "UVSHEAR_FOURTH")
+"""Columns that averages over cells have besides."""
+
 
 class MeasurementSets(Kind):
     """Measurement Sets, which `info` and `measure` read."""
 
-    variants = ("field.ms", "field.ms", "windows.ms")
+    variants = ("field.ms", "field.ms", "windows.ms", "averages.ms")
 
     def mutate(self, clean: Path, variant: str, path: Path, rng: np.random.Generator) -> str:
         """Mutate once, or in some cases twice."""
@@ -81,7 +84,10 @@ def _mutated(path: Path, rng: np.random.Generator) -> str:
 def _drawn_column(path: Path, rng: np.random.Generator) -> tuple[str, str]:
     names = ("", "", *READ)
     table = names[rng.integers(len(names))]
-    return table, READ[table][rng.integers(len(READ[table]))]
+    columns = READ[table]
+    if not table and path.name == "averages.ms" and rng.integers(2):
+        columns = OF_AVERAGES
+    return table, columns[rng.integers(len(columns))]
 
 
 def _opened(path: Path, table: str) -> tables.table:

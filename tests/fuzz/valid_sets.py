@@ -38,6 +38,21 @@ def _of_the_same_order(new: Any, old: Any) -> Any:
     return (new >= 0) & (new <= 10 * old)
 
 
+def _of_averages(new: Any, old: Any) -> Any:
+    """Accept numbers of averages no larger than the largest one that is there, and some that are a little larger."""
+    return np.isfinite(new) & (np.abs(new) <= 30 * np.abs(old).max())
+
+
+def _of_the_sub_band(new: Any, old: Any) -> Any:
+    """Accept frequencies near the old ones."""
+    return (new > 0.75 * old) & (new < 1.35 * old)
+
+
+def _of_a_channel(new: Any, old: Any) -> Any:
+    """Accept widths of less than a gigahertz."""
+    return (new >= 0) & (new < 1e9)
+
+
 def _of_stokes_i(weights: Any) -> Any:
     """Return the weight of the mean of all hands: one that is far too large in one hand alone only doubles it."""
     with np.errstate(all="ignore"):
@@ -59,6 +74,10 @@ def _is_rounding(new: Any, old: Any) -> bool:
 
 OF_ROWS: Final[dict[str, Rule]] = {
     "DATA": _within_range,
+    "UVSHEAR_FREQUENCY": _of_the_sub_band,
+    "UVSHEAR_WIDTH": _of_a_channel,
+    "UVSHEAR_SECOND": _of_averages,
+    "UVSHEAR_FOURTH": _of_averages,
     "WEIGHT_SPECTRUM": _of_the_same_order,
     "UVW": _between_the_antennas,
     "FLAG": _as_any,
@@ -67,6 +86,12 @@ OF_ROWS: Final[dict[str, Rule]] = {
     "FIELD_ID": _as_none,
 }
 """Rules for single rows: of all rows, or of a part of a column, they would be told apart from what was observed."""
+
+WEIGHTS: Final = ("WEIGHT_SPECTRUM", "WEIGHT")
+"""Columns of weights; the second counts where the first is not there."""
+
+OF_ANY_ROWS: Final = ("FLAG", "FLAG_ROW", "UVSHEAR_FOURTH")
+"""Columns of which all rows may differ unnoticed."""
 
 UNCHANGED: Final = {
     "FIELD": ("PHASE_DIR",),
@@ -81,15 +106,16 @@ ROUNDING: Final = 1e-6
 
 COPIED: Final = (
     "DATA",
-    "WEIGHT_SPECTRUM",
+    *WEIGHTS,
     "UVW",
     "FLAG",
     "FLAG_ROW",
     "DATA_DESC_ID",
     "FIELD_ID",
     "TIME",
+    *("UVSHEAR_FREQUENCY", "UVSHEAR_WIDTH", "UVSHEAR_SECOND", "UVSHEAR_FOURTH"),
 )
-"""Columns that rows keep when others are removed."""
+"""Columns that rows keep when others are removed, as far as a set has them."""
 
 
 def is_another_valid_set(path: Path, clean: Path) -> bool:
@@ -102,6 +128,7 @@ def is_another_valid_set(path: Path, clean: Path) -> bool:
         _is_within_interval(path)
         and _are_same_baselines(path, clean)
         and all(_is_another_valid_column(path, clean, name) for name in OF_ROWS)
+        and (_has_spectra(path) or _is_another_valid_column(path, clean, "WEIGHT"))
     )
 
 
@@ -132,21 +159,27 @@ def _are_within(
 
 
 def _is_another_valid_column(path: Path, clean: Path, column: str) -> bool:
+    if _cells(clean, column) is None:
+        return _cells(path, column) is None
     new, old = (_stacked(one, column) for one in (path, clean))
     if new is None or old is None or new.shape != old.shape:
         return False
-    if column == "WEIGHT_SPECTRUM":
+    if column in WEIGHTS:
         new, old = _of_stokes_i(new), _of_stokes_i(old)
     differs = numbers_differ(new, old)
-    if column == "WEIGHT_SPECTRUM":
+    if column in WEIGHTS:
         # By weights that are off by less than a factor of two, shapes change by less than noise.
         differs &= (new < old / 2) | (new > 2.001 * old)
     if column == "UVW" and _is_rounding(new, old):
         return True
-    rule = OF_ROWS[column]
+    rule = OF_ROWS.get(column, _of_the_same_order)
     rows = differs.reshape(len(new), -1).any(axis=1)
-    is_few = rule is _as_any or np.count_nonzero(rows) <= FEW
+    is_few = column in OF_ANY_ROWS or np.count_nonzero(rows) <= FEW
     return bool(is_few and rule(new, old)[differs].all())
+
+
+def _has_spectra(path: Path) -> bool:
+    return _cells(path, WEIGHTS[0]) is not None
 
 
 def _is_within_interval(path: Path) -> bool:
@@ -184,7 +217,8 @@ def _are_equal(new: list[Any] | None, old: list[Any] | None, within: float = 0.0
 
 def _is_selection(path: Path, clean: Path) -> bool:
     """Tell whether rows were removed, and all others are as they were."""
-    new, old = ([_stacked(one, name) for name in COPIED] for one in (path, clean))
+    names = [name for name in COPIED if _cells(clean, name) is not None]
+    new, old = ([_stacked(one, name) for name in names] for one in (path, clean))
     if any(column is None for column in (*new, *old)) or not 0 < len(new[0]) < len(old[0]):
         return False
     rows = {tuple(column[row].tobytes() for column in old) for row in range(len(old[0]))}

@@ -9,7 +9,7 @@ from uvshear.interferometer.averaged_rows import FOURTH, SECOND, AveragedRows, p
 
 def test_rows_are_chosen_together() -> None:
     second, fourth = np.arange(24.0).reshape(4, 6), np.arange(60.0).reshape(4, 15)
-    rows = AveragedRows(np.arange(4.0), np.arange(4.0) * 2, second, fourth)
+    rows = AveragedRows(np.arange(4.0), np.arange(4.0) * 2, second, fourth, np.ones(3))
     found = rows.select(np.array([False, True, False, True]))
     np.testing.assert_array_equal(found.frequency, [1, 3])
     np.testing.assert_array_equal(found.width, [2, 6])

@@ -9,6 +9,7 @@ import pytest
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.array_extent import ArrayExtent
+from uvshear.interferometer.averaged_rows import AveragedRows
 from uvshear.interferometer.count_samples import SampleCountsAccumulator
 from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.screening import screened, screened_chunks
@@ -81,6 +82,44 @@ def test_a_row_that_cannot_be_right_is_left_out_and_counted(name, value, reason)
     assert np.isfinite(seen.integrations.time).all()
     assert np.isfinite(seen.integrations.interval).all()
     assert np.abs(seen.uvw).max() < 1e4
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("frequency", np.nan),
+        ("frequency", 0.0),
+        ("frequency", 0.7e9),
+        ("frequency", 1.4e9),
+        ("width", -1.0),
+        ("width", np.inf),
+        ("width", 2e9),
+        ("second", np.nan),
+        ("second", -2.1 * 100),
+        ("fourth", np.inf),
+        ("fourth", 1.1 * 1e4),
+    ],
+)
+def test_a_row_that_is_no_average_over_a_cell_is_left_out_and_counted(name, value):
+    good = _good()
+    rows, size = len(good), np.full(3, 10.0)
+    averages = AveragedRows(
+        np.full(rows, 1.05e9), np.full(rows, 1e6), np.zeros((rows, 6)), np.zeros((rows, 15)), size
+    )
+    good = replace(
+        good,
+        frequency=np.array([1e9]),
+        stokes_i=good.stokes_i[:, :1],
+        weights=good.weights[:, :1],
+        averages=averages,
+    )
+    assert screened(good).averages is averages
+    values = getattr(averages, name).copy()
+    values[2, ...] = value
+    seen = screened(replace(good, averages=replace(averages, **{name: values})))
+    assert np.flatnonzero(seen.weights == 0).tolist() == [2]
+    assert seen.counts == SampleCounts(rows=6, samples=6, usable=5, impossible_averages=1)
+    assert seen.averages.are_possible(1e9).all()
 
 
 @pytest.mark.parametrize(

@@ -239,6 +239,7 @@ class CellTable:
                 width * frequency,
                 (nodes.second * to_second).astype(np.float32),
                 (nodes.fourth * to_fourth).astype(np.float32),
+                size,
             ),
         )
 

@@ -53,6 +53,10 @@ def data_warnings(quality: DataQuality) -> tuple[str, ...]:
                 counts.impossible_channels,
                 "have a frequency or a channel width that no radio telescope has",
             ),
+            (
+                counts.impossible_averages,
+                "have a frequency, a width or moments that no average over a cell has",
+            ),
             (counts.impossible_weights, "have more than a million times the weight of the others"),
             (counts.impossible_amplitudes, "are more than 1e8 times their noise"),
         )

@@ -33,6 +33,8 @@ class SampleCounts:
         Other samples with weight whose time is not finite, or whose integration is negative or longer than a day.
     impossible_channels
         Other samples with weight whose frequency or channel width cannot be that of a radio telescope.
+    impossible_averages
+        Other samples with weight that cannot be averages over a cell of (u, v, w), as the set says that they are.
     impossible_weights
         Other samples whose weight is more than a million times that of nearly all others.
     impossible_amplitudes
@@ -50,6 +52,7 @@ class SampleCounts:
     impossible_uvw: int = 0
     impossible_times: int = 0
     impossible_channels: int = 0
+    impossible_averages: int = 0
     impossible_weights: int = 0
     impossible_amplitudes: int = 0
 

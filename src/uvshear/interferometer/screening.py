@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from uvshear.constants import RADIO_FREQUENCIES
+from uvshear.interferometer.averaged_rows import AveragedRows
 from uvshear.interferometer.sample_counts import SampleCounts
 from uvshear.interferometer.visibilities import Integrations, Observation, Visibilities
 from uvshear.typing import Array, Bool, Float
@@ -35,7 +36,8 @@ def screened(seen: Visibilities) -> Visibilities:
     A row is left out if its UVW is not finite, is zero (as programs store it for missing antennas), is longer than the
     array, or is shorter or longer than the distance between its antennas; if its time is not finite; or if its
     integration is negative or longer than a day. A channel is left out if its frequency or width cannot be that of a
-    radio telescope. A sample is left out if it is not finite or is impossibly large, or if its weight dwarfs all
+    radio telescope. An average over a cell is left out if its moments are larger than those of any samples in a cell.
+    A sample is left out if it is not finite or is impossibly large, or if its weight dwarfs all
     others.
     """
     if seen.is_screened:
@@ -43,7 +45,8 @@ def screened(seen: Visibilities) -> Visibilities:
     seen = replace(seen, is_screened=True)
     counts = seen.counts or _counted(seen)
     place, time, channel = _wrong_places(seen), _wrong_times(seen), _wrong_channels(seen)
-    wrong = place[:, None] | time[:, None] | channel
+    averages = _wrong_averages(seen)
+    wrong = (place | time | averages)[:, None] | channel
     is_finite = np.isfinite(seen.stokes_i) & np.isfinite(seen.weights)
     has_weight = is_finite & (seen.weights > 0) & ~wrong
     heavy = has_weight & _dwarfs_others(seen.weights, has_weight)
@@ -58,6 +61,7 @@ def screened(seen: Visibilities) -> Visibilities:
         "impossible_uvw": counted & place[:, None],
         "impossible_times": counted & (time & ~place)[:, None],
         "impossible_channels": counted & ~(place | time)[:, None] & channel,
+        "impossible_averages": counted & (averages & ~(place | time))[:, None] & ~channel,
         "impossible_weights": heavy,
         "impossible_amplitudes": huge,
     }
@@ -69,6 +73,7 @@ def screened(seen: Visibilities) -> Visibilities:
         stokes_i=np.where(unusable, 0, seen.stokes_i).astype(seen.stokes_i.dtype),
         weights=weights,
         integrations=_without_wrong_times(seen, time),
+        averages=_without_wrong_averages(seen, averages),
         counts=replace(counts, usable=int(np.count_nonzero(weights)), **found),
     )
 
@@ -130,6 +135,18 @@ def _without_wrong_times(seen: Visibilities, wrong: Bool[Array, " row"]) -> Inte
         time=np.where(wrong, NO_TIME, taken.time),
         interval=np.where(wrong, 0.0, taken.interval),
     )
+
+
+def _wrong_averages(seen: Visibilities) -> Bool[Array, " row"]:
+    if seen.averages is None:
+        return np.zeros(len(seen), bool)
+    return ~seen.averages.are_possible(float(seen.frequency[0]))
+
+
+def _without_wrong_averages(seen: Visibilities, wrong: Bool[Array, " row"]) -> AveragedRows | None:
+    if seen.averages is None or not wrong.any():
+        return seen.averages
+    return seen.averages.with_harmless(wrong, float(seen.frequency[0]))
 
 
 def _counted(seen: Visibilities) -> SampleCounts:

@@ -28,7 +28,7 @@ ABOUT = AveragedField(
 )
 
 
-def _averages(rows: int, seed: int) -> Averages:
+def _averages(rows: int, seed: int, band: SubBand) -> Averages:
     rng = np.random.default_rng(seed)
     return Averages(
         uvw=rng.uniform(-4000, 4000, (rows, 3)),
@@ -37,18 +37,19 @@ def _averages(rows: int, seed: int) -> Averages:
         time=5e9 + rng.uniform(0, 3600, rows),
         interval=rng.choice([8.0, 10.0], rows),
         rows=AveragedRows(
-            rng.uniform(0.9e9, 1.3e9, rows),
+            band.frequency * rng.uniform(0.93, 1.07, rows),
             rng.uniform(1e5, 1e6, rows),
             rng.uniform(0, 30, (rows, 6)),
             rng.uniform(0, 900, (rows, 15)),
+            np.ones(3),
         ),
     )
 
 
 CONTENT = (
-    (Group(BANDS[0], 0), _averages(70, 1)),
-    (Group(BANDS[1], 1), _averages(50, 2)),
-    (Group(BANDS[0], 3), _averages(30, 3)),
+    (Group(BANDS[0], 0), _averages(70, 1, BANDS[0])),
+    (Group(BANDS[1], 1), _averages(50, 2, BANDS[1])),
+    (Group(BANDS[0], 3), _averages(30, 3, BANDS[0])),
 )
 
 

@@ -22,7 +22,13 @@ from uvshear.averaging.dish_pairs import DishPairs
 from uvshear.averaging.sub_bands import RATIO, SubBand
 from uvshear.geometry.directions import PhaseCentre
 from uvshear.interferometer.stokes import STOKES_I
-from uvshear.io.measurement_set.averaged_columns import FOURTH, FREQUENCY, SECOND, WIDTH
+from uvshear.io.measurement_set.averaged_columns import (
+    FOURTH,
+    FREQUENCY,
+    KEYWORD,
+    SECOND,
+    WIDTH,
+)
 from uvshear.io.measurement_set.subtables import TOPOCENTRIC, fill_subtable
 from uvshear.io.measurement_set.writer import (
     SAME_SHAPE_COLUMNS,
@@ -32,9 +38,6 @@ from uvshear.io.measurement_set.writer import (
 )
 from uvshear.io.measurement_set.writing import written
 from uvshear.io.outputs import new_outputs
-
-KEYWORD: Final = "UVSHEAR_AVERAGE"
-"""Keyword of the main table with the sizes of the cells."""
 
 ROWS_AT_A_TIME: Final = 2**18
 

@@ -279,7 +279,9 @@ class _Reader:
         if self.header.has_averages:
             with casacore_errors(self.path, "the columns of averages"):
                 # The width of the window is that of the sub-band.
-                seen = replace(seen, width=None, averages=read_averages(table, start, count))
+                frequency = float(description.channels.frequency[0])
+                averages = read_averages(table, start, count, frequency)
+                seen = replace(seen, width=None, averages=averages)
         return replace(seen, array=self.header.extent)
 
     def _visibilities(
