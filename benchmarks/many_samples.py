@@ -1,16 +1,17 @@
 """930 million visibilities of MeerKAT, averaged over cells and measured (``uvshear average``).
 
-    python benchmarks/many_samples.py --folder DIR [--parts whole tenth nights] [--record many_samples]
+    python benchmarks/many_samples.py --folder DIR [--parts whole wide tenth nights] [--record many_samples]
 
 300 galaxies and 20 points within 15 arcmin are seen for 8 h, with integrations of 8 s and 128 channels between 856 and
 1712 MHz. The observation is simulated in pieces of 0.8 h, which take 2.9 GB each and stay in the folder; those that are
-there already are not made again. There are three parts:
+there already are not made again. There are four parts:
 
 - ``whole``: all pieces are averaged together and measured;
+- ``wide``: all pieces are averaged for a field of 84 arcmin, which needs 40 GB of disk;
 - ``tenth``: the first piece, a tenth of the samples, is measured both directly and from averages;
 - ``nights``: further nights repeat the hour angles of the first piece, and are averaged with it and measured.
 
-The figures of each part are saved in the folder. The record has those of all parts that were run at this commit.
+The figures of each part are saved in the folder with the commit. The record has those of all parts.
 """
 
 import argparse
@@ -24,6 +25,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from astropy.table import Table
@@ -73,41 +75,40 @@ def main() -> None:
         for figure, value in found.items():
             print(f"{figure}: {value:.4g}", flush=True)
     if arguments.record:
+        saved = {part: load(folder / f"{part}.json") for part in PARTS}
+        commits = ", ".join(
+            f"{part} {each['commit']}" for part, each in saved.items() if each["commit"]
+        )
         write_record(
             RESULTS / f"{arguments.record}.json",
-            figures_of_commit(folder),
+            {name: value for each in saved.values() for name, value in each["figures"].items()},
             [*range(1, PIECES + 1), *range(101, 100 + NIGHTS)],
             title=(
                 "uvshear average --field-arcmin 30: MeerKAT, 8 h, integrations of 8 s, 128 channels, 300 galaxies and"
-                f" 20 points; {arguments.threads} threads."
+                f" 20 points; {arguments.threads} threads. Commits of the parts: {commits}."
             ),
         )
 
 
-def figures_of_commit(folder: Path) -> dict[str, float]:
-    """Return the figures of all parts that were run at this commit."""
-    figures: dict[str, float] = {}
-    for path in (folder / f"{part}.json" for part in PARTS):
-        if path.exists():
-            saved = json.loads(path.read_text(encoding="utf-8"))
-            figures |= saved["figures"] if saved["commit"] == commit() else {}
-    return figures
+def load(path: Path) -> dict[str, Any]:
+    """Return the commit and the figures of a part; without figures if it was not run."""
+    if not path.exists():
+        return {"commit": "", "figures": {}}
+    return dict(json.loads(path.read_text(encoding="utf-8")))
 
 
 def whole(folder: Path, threads: int) -> Mapping[str, float]:
-    """Average all pieces for both fields, and measure the averages for the smaller one."""
+    """Average all pieces and measure the averages."""
     pieces, catalogue = (
         [simulated(folder, k, seed=k + 1) for k in range(PIECES)],
         folder / "sky.fits",
     )
-    compact, wide = folder / "compact.ms", folder / "wide-compact.ms"
+    compact = folder / "compact.ms"
     averaged, found = average(pieces, compact, FIELD, threads)
     seen, run = measure(compact, catalogue, threads)
-    _, other = average(pieces, wide, WIDE_FIELD, threads)
-    shutil.rmtree(wide)
     truth = Table.read(catalogue)
     resolved = np.asarray(truth["scale_length"]) > 0
-    good = resolved & (np.asarray(seen["flag"]) == "ok")
+    good = resolved & (np.asarray(seen["flag"]).astype(str) == "ok")
     pulls = {
         f"pull_{e}": float(np.std((seen[e] - truth[e])[good] / seen[f"{e}_err"][good]))
         for e in ("e1", "e2")
@@ -125,7 +126,18 @@ def whole(folder: Path, threads: int) -> Mapping[str, float]:
         "both_min": (averaged.wall_s + run.wall_s) / 60,
         "galaxies_ok": int(np.count_nonzero(good)),
         **pulls,
-        "wide_ratio": other["samples"] / other["rows"],
+    }
+
+
+def wide(folder: Path, threads: int) -> Mapping[str, float]:
+    """Average all pieces for a wide field."""
+    pieces, compact = [simulated(folder, k, seed=k + 1) for k in range(PIECES)], folder / "wide.ms"
+    run, found = average(pieces, compact, WIDE_FIELD, threads)
+    shutil.rmtree(compact)
+    return {
+        "wide_ratio": found["samples"] / found["rows"],
+        "wide_s": run.wall_s,
+        "wide_gb": run.gb,
     }
 
 
@@ -136,7 +148,9 @@ def tenth(folder: Path, threads: int) -> Mapping[str, float]:
     _, found = average([piece], compact, FIELD, threads)
     seen, run = measure(compact, catalogue, threads)
     direct, direct_run = measure(piece, catalogue, threads)
-    good = (np.asarray(direct["flag"]) == "ok") & (np.asarray(seen["flag"]) == "ok")
+    good = (np.asarray(direct["flag"]).astype(str) == "ok") & (
+        np.asarray(seen["flag"]).astype(str) == "ok"
+    )
     apart = np.concatenate(
         [(seen[e] - direct[e])[good] / direct[f"{e}_err"][good] for e in ("e1", "e2")]
     )
@@ -192,7 +206,7 @@ def draw(path: Path) -> None:
     uvshear.write_catalogue(path, uvshear.catalogue_from_galaxies(sky, CENTRE))
 
 
-PARTS = {"whole": whole, "tenth": tenth, "nights": nights}
+PARTS = {"whole": whole, "wide": wide, "tenth": tenth, "nights": nights}
 
 
 def simulated(folder: Path, piece: int, seed: int) -> Path:

@@ -1,10 +1,12 @@
 """Files of visibilities opened as one observation."""
 
 import shutil
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
 
+from tests.execution.tasks import children
 from tests.interferometer.chunks import CENTRE, observation
 from tests.io.measurement_sets import PHASE_CENTRE, change, simulated, written
 from uvshear.constants import ARCSEC
@@ -14,6 +16,7 @@ from uvshear.interferometer.first_pass import first_pass
 from uvshear.interferometer.noise_estimate import estimate_noise
 from uvshear.interferometer.origin import origin_of, parts_of
 from uvshear.interferometer.scaled_observation import ScaledObservation, scaled_to_its_noise
+from uvshear.io import observations
 from uvshear.io.measurement_set.observation import MeasurementSet
 from uvshear.io.observations import open_observation
 from uvshear.io.readers import Reader
@@ -145,3 +148,42 @@ def test_a_format_of_chunks_alone_is_enough(tmp_path):
     first = first_pass(joint)
     assert first.summary.rows == 480
     assert first.warnings == ()
+
+
+def test_files_are_tried_side_by_side(pair, monkeypatch):
+    events = []
+
+    @contextmanager
+    def trial(path, _):
+        events.append(("begin", path))
+        yield lambda: events.append(("wait", path))
+        events.append(("end", path))
+
+    monkeypatch.setattr("uvshear.io.measurement_set.reader.trial", trial)
+    open_observation(pair)
+    first, second = pair
+    began_and_waited = [(what, path) for what in ("begin", "wait") for path in (first, second)]
+    assert events == [*began_and_waited, ("end", second), ("end", first)]
+
+
+def test_many_files_are_opened_a_few_at_a_time(monkeypatch):
+    events = []
+
+    class Counting(NightReader):
+        @contextmanager
+        def begin(self, path, reading):
+            events.append(1)
+            yield lambda: events.append(-1) or self.open(path, reading)
+
+    monkeypatch.setattr(observations, "AT_ONCE", 3)
+    seen = open_observation([str(k) for k in range(8)], Reading(reader=Counting()))
+    assert len(parts_of(seen)) == 8
+    assert np.cumsum(events).max() == 3
+    assert sum(events) == 0
+
+
+def test_no_trial_outlasts_a_refusal(pair, tmp_path):
+    before = children()
+    with pytest.raises(InputError, match="no such file"):
+        open_observation([*pair, tmp_path / "absent.ms"])
+    assert children() == before

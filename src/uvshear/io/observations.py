@@ -1,7 +1,10 @@
 """Files of visibilities in any known format: opened as one observation, or inspected."""
 
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Final
 
 from uvshear.errors import InputError
 from uvshear.interferometer.joint_observation import JointObservation
@@ -9,6 +12,9 @@ from uvshear.interferometer.visibilities import Observation
 from uvshear.io.inspection import Inspection
 from uvshear.io.readers import reader_of
 from uvshear.io.reading import Reading
+
+AT_ONCE: Final = 16
+"""Number of files that are begun to be opened before the first of them is complete."""
 
 
 def open_observation(
@@ -35,9 +41,21 @@ def open_observation(
     for index, path in enumerate(resolved):
         if path in resolved[:index]:
             raise InputError(f"{chosen[index]}: is given twice; its visibilities would count twice")
-    opened = [reader_of(path, reading).open(path, reading) for path in chosen]
+    opened = list(_opened(chosen, reading))
     parts = opened if prepared is None else [prepared(observation) for observation in opened]
     return parts[0] if len(parts) == 1 else JointObservation.from_parts(parts)
+
+
+def _opened(paths: Sequence[Path], reading: Reading) -> Iterator[Observation]:
+    """Open files in their order; some of the next ones are begun meanwhile."""
+    begun = deque[Callable[[], Observation]]()
+    with ExitStack() as stack:
+        for path in paths:
+            if len(begun) == AT_ONCE:
+                yield begun.popleft()()
+            begun.append(stack.enter_context(reader_of(path, reading).begin(path, reading)))
+        for complete in begun:
+            yield complete()
 
 
 def inspect(path: str | Path, reading: Reading | None = None) -> Inspection:

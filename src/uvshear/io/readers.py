@@ -22,6 +22,8 @@ needs the members of ``interferometer.dishes.HasDishes``; its name in warnings c
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import ClassVar
 
@@ -63,6 +65,15 @@ class Reader(ABC):
             The file is damaged, or it does not hold what the reading asks for. The message is one line that names the
             path.
         """
+
+    def begin(
+        self, path: Path, reading: Reading
+    ) -> AbstractContextManager[Callable[[], Observation]]:
+        """Begin to open a file, and return a context that yields a function which completes this.
+
+        Meanwhile other files can be opened; a reader of files whose opening takes time may override this method.
+        """
+        return nullcontext(lambda: self.open(path, reading))
 
     def inspect(self, path: Path, reading: Reading) -> Inspection:
         """Read a file once for a summary of its content; by default the content that any observation has."""

@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
 import pytest
@@ -92,10 +93,14 @@ def test_files_of_others_are_not_tried(tmp_path: Path) -> None:
 
 def test_every_command_tries_a_set_first(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     tried = []
+
+    def wait_for(ms: Path, read: Callable[[], object]) -> AbstractContextManager:
+        return nullcontext(lambda: tried.append((ms, read)))
+
     monkeypatch.setattr(
-        "uvshear.io.measurement_set.reader.check_by_trial",
-        lambda ms, read: tried.append((ms, read)),
+        "uvshear.io.measurement_set.reader.check_by_trial", lambda *args: tried.append(args)
     )
+    monkeypatch.setattr("uvshear.io.measurement_set.reader.trial", wait_for)
     reader = MeasurementSetReader()
     reader.open(path, Reading())
     reader.inspect(path, Reading())

@@ -6,7 +6,8 @@ casacore trusts the numbers that it finds in a table. Wrong ones make it write b
 import os
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
@@ -21,11 +22,13 @@ PAUSE: Final = 0.002
 """Time between two looks at the other process [s]; it usually takes ten times as long."""
 
 
-def check_by_trial(path: Path, read: Callable[[], object]) -> None:
-    """Refuse a set that casacore cannot read without ending the process.
+@contextmanager
+def trial(path: Path, read: Callable[[], object]) -> Iterator[Callable[[], None]]:
+    """Begin to try a set, and yield a function that waits for the result.
 
-    Errors that casacore raises are left to those who read the set. The trial needs a copy of this process, which only
-    Linux makes safely beside other threads; elsewhere there is none.
+    The function refuses a set that casacore cannot read without ending the process. Errors that casacore raises are
+    left to those who read the set. The trial needs a copy of this process, which only Linux makes safely beside other
+    threads; elsewhere there is none. It does not outlast the block.
 
     Parameters
     ----------
@@ -35,23 +38,32 @@ def check_by_trial(path: Path, read: Callable[[], object]) -> None:
         Function that reads a little of it.
     """
     if not CAN_COPY or not (path / "table.dat").is_file():
+        yield lambda: None
         return
     child = copy_process()
     if child == 0:
         _try(read)
+    statuses: list[int | None] = []
+
+    def wait() -> None:
+        statuses.append(_status(child))
+        if statuses[0] != 0:
+            raise InputError(
+                f"{path}: is damaged; casacore {_reason(statuses[0])} when it read the set"
+            )
+
     try:
-        status = _status(child)
-    except BaseException:
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-        raise
-    if status != 0:
-        reason = (
-            f"did not return within {LONGEST:.0f} s"
-            if status is None
-            else f"ended the process ({_ending(status)})"
-        )
-        raise InputError(f"{path}: is damaged; casacore {reason} when it read the set")
+        yield wait
+    finally:
+        if not statuses:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+
+
+def check_by_trial(path: Path, read: Callable[[], object]) -> None:
+    """Refuse a set that casacore cannot read without ending the process."""
+    with trial(path, read) as wait:
+        wait()
 
 
 def _status(child: int) -> int | None:
@@ -68,10 +80,13 @@ def _status(child: int) -> int | None:
         time.sleep(PAUSE)
 
 
-def _ending(status: int) -> str:
+def _reason(status: int | None) -> str:
+    if status is None:
+        return f"did not return within {LONGEST:.0f} s"
+    ending = f"status {os.WEXITSTATUS(status)}"
     if os.WIFSIGNALED(status):
-        return signal.Signals(os.WTERMSIG(status)).name
-    return f"status {os.WEXITSTATUS(status)}"
+        ending = signal.Signals(os.WTERMSIG(status)).name
+    return f"ended the process ({ending})"
 
 
 def _try(read: Callable[[], object]) -> None:
