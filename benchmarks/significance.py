@@ -34,7 +34,7 @@ LENGTH = 4 * np.radians(15)
 
 @dataclass(frozen=True)
 class Case:
-    """Sources before an array.
+    """Sources observed with an array.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ def _sky(seed: int) -> Galaxies:
 
 
 def _plan() -> ObservingPlan:
-    """Sixteen times 100 s before the VLA (A), in integrations of 10 s and channels of 1 MHz.
+    """Sixteen times 100 s with the VLA (A), in integrations of 10 s and channels of 1 MHz.
 
     They are 28 minutes apart, multiples of 20 s. With much sparser coverage, sidelobes couple all sources of the field,
     which the errors do not allow for.

@@ -79,7 +79,7 @@ def extensions(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def field(extensions, tmp_path_factory):
-    """A field of six bright galaxies before the VLA, in a file of the reader's format; and its catalogue."""
+    """A field of six bright galaxies observed with the VLA, in a file of the reader's format; and its catalogue."""
     folder = tmp_path_factory.mktemp("field")
     beam = primary_beam_named("gaussian_beam:gaussian", np.full(27, DIAMETER))
     plan = uvshear.ObservingPlan(

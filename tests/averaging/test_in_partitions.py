@@ -1,6 +1,8 @@
 """Averages of a set in a file, with every executor."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -83,3 +85,25 @@ def test_a_part_without_weight_is_named(field, monkeypatch) -> None:
     monkeypatch.setattr(MeasurementSet, "rows_between", lambda *_: iter(()))
     with pytest.raises(InputError, match=r"field.ms: no visibility carries weight"):
         _averaged([field], Serial())
+
+
+def test_the_texts_name_the_memory_above_which_partitions_depend_on_the_data_alone(
+    field, monkeypatch
+) -> None:
+    class Asked(Exception):  # noqa: N818
+        pass
+
+    def asked(_, most):
+        raise Asked(most)
+
+    monkeypatch.setattr(in_partitions, "partitions_of", asked)
+
+    def most(memory: float) -> int:
+        with pytest.raises(Asked) as found:
+            _averaged([field], Serial(), memory)
+        return found.value.args[0]
+
+    assert most(10.4e9) < most(10.5e9) == most(math.inf) == in_partitions.SAMPLES
+    root = Path(__file__).parents[2]
+    for text in ("docs/cluster.md", "src/uvshear/cli/average.py"):
+        assert re.search(r"\b10\.5\b", (root / text).read_text(encoding="utf-8"))

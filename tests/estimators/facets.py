@@ -1,4 +1,4 @@
-"""One galaxy before an array like SKA-Mid or MeerKAT, as an estimator is given it."""
+"""One galaxy observed with an array like SKA-Mid or MeerKAT, as an estimator is given it."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Galaxies of a catalogue before an array."""
+"""Galaxies of a catalogue, observed with an array."""
 
 from dataclasses import replace
 

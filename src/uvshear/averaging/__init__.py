@@ -1,6 +1,6 @@
-"""Averages of visibilities over cells of (u, v, w), after which a set has fewer rows and nearly the same information.
+"""Averages of visibilities over cells of (u, v, w): fewer rows with nearly all of the information.
 
-``cells`` chooses the cells for the width of a field, ``cell_table`` has the sums over the samples of each cell,
-``nodes`` makes a few rows of them, and ``averager`` collects them in a pass over an observation, which
-``in_partitions`` divides into ranges of rows.
+``cells`` chooses the sizes of the cells for the width of a field. ``cell_table`` holds the sums over the samples of
+each cell, and ``nodes`` turns them into one to four rows. ``averager`` averages an observation in one pass, and
+``in_partitions`` divides it into ranges of rows.
 """

@@ -28,20 +28,20 @@ SMALLEST: Final = 2**12
 
 @dataclass(frozen=True)
 class Averages:
-    """Averages over cells, as rows of one channel.
+    """Averages over cells, as rows of one channel, each of which is a node of a cell (``nodes``).
 
     Parameters
     ----------
     uvw
-        Mean baselines, in metres at the frequency of the sub-band.
+        Places of the nodes, in metres at the frequency of the sub-band.
     stokes_i
-        Mean visibilities [Jy].
+        Visibilities of the nodes [Jy].
     weights
-        Sums of the weights [Jy^-2].
+        Weights of the nodes, which add up to the weight of the samples in their cell [Jy^-2].
     time, interval
-        Mean middle and mean length of the integrations [s].
+        Mean middle and mean length of the integrations of the cell [s].
     rows
-        Frequencies, widths and second moments.
+        Frequencies, widths, second moments and forms of fourth degree.
     """
 
     uvw: Float[Array, "row 3"]

@@ -1,4 +1,4 @@
-"""Cells of (u, v, w) so small that little of what their samples tell about a field is lost."""
+"""Cells of (u, v, w), so small that averaging over them loses little information on a field."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Sub-bands, whose samples are averaged apart from one another."""
+"""Sub-bands: samples of different sub-bands are not averaged together."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""``uvshear average``: visibilities averaged over cells of (u, v, w), for a field of some width."""
+"""``uvshear average``: visibilities averaged over cells of (u, v, w), for a field of given width."""
 # ruff: noqa: PLC0415  (help must not wait for imports)
 
 from pathlib import Path
@@ -23,7 +23,7 @@ from uvshear.cli.terminal import say
 
 EPILOG = "Example: uvshear average FIELD.ms --field-arcmin 30 -o COMPACT.ms"
 
-SHORT = "Average visibilities over cells into a small Measurement Set."
+SHORT = "Average visibilities over cells into a smaller Measurement Set."
 
 
 def register(app: typer.Typer) -> None:
@@ -74,16 +74,18 @@ def average(
         typer.Option(
             callback=positive,
             rich_help_panel=RESOURCES,
-            help="Memory for the sums [GB]; by default half of the machine's memory. Where it is too small, some"
-            " cells have several rows.",
+            help="Memory for the sums [GB]; by default half of the machine's memory. With less than 10.5 GB the last"
+            " digits of the averages depend on it; where it is too small for all cells, the samples of some cells are"
+            " averaged in several parts.",
         ),
     ] = None,
 ) -> None:
     """Average visibilities over cells of (u, v, w), and write a Measurement Set with one to four rows for each cell.
 
-    All samples in a cell are averaged, whatever their antennas, times, channels and sets; only sub-bands of 10 % and
-    pairs of different dishes stay apart. `measure` models the loss of amplitude in the cells. Other programs can image
-    the set, but do not model this loss. UVW must not be recomputed, nor antennas be calibrated.
+    Samples in a cell are averaged whatever their antennas, times, channels and sets. Only samples of different
+    sub-bands (10 % wide) or of baselines with different pairs of dish diameters are kept apart. `measure` models the
+    loss of amplitude in the cells. Other programs can image the set, but do not model this loss. UVW must not be
+    recomputed, and antennas cannot be calibrated.
     """
     from uvshear.averaging.cells import Cells
     from uvshear.constants import ARCMIN

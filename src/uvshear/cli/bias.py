@@ -85,7 +85,8 @@ def bias(
             callback=positive,
             rich_help_panel=SKY,
             help="Simulate a crowded field with this number of galaxies per square arcminute, and extract them"
-            " together; by default each galaxy is isolated.",
+            " together; by default each galaxy is isolated. Excludes --selection measured, --prior fitted, --no-rings,"
+            " --position-error-arcsec, --facet cell-average and --wraps.",
         ),
     ] = None,
     snr_min: Annotated[
@@ -101,7 +102,8 @@ def bias(
         typer.Option(
             rich_help_panel=SKY,
             help="Signal-to-noise ratio to which --snr-min applies: catalogue (that of the catalogue's flux, which"
-            " shear and noise do not change), or measured (that of the fit, which they change).",
+            " shear and noise do not change), or measured (that of the fit, which they change; not with --estimator"
+            " metacal).",
         ),
     ] = SelectionName.CATALOGUE,
     flux_min_ujy: Annotated[
@@ -178,7 +180,7 @@ def bias(
         typer.Option(
             metavar="NAME",
             rich_help_panel=METHOD,
-            help="Estimator that metacal wraps; the mean by default.",
+            help="Estimator that metacal wraps (only with --estimator metacal); the mean by default.",
             show_default=False,
         ),
     ] = None,
@@ -187,7 +189,7 @@ def bias(
         typer.Option(
             rich_help_panel=METHOD,
             help="Method of making facets: exact, or cell-average (averages in uv cells as in Rivi & Miller 2018;"
-            " only with --estimator mean).",
+            " only with --estimator mean and a --shear above 0).",
         ),
     ] = FacetName.EXACT,
     position_error_arcsec: Annotated[
@@ -240,7 +242,8 @@ def bias(
             callback=positive_pair,
             metavar="UJY SNR",
             rich_help_panel=NOISE,
-            help="Flux [uJy] and signal-to-noise ratio of a round galaxy of median size; they set the noise.",
+            help="Flux [uJy] and signal-to-noise ratio, with natural weights, of a round galaxy of median size, from"
+            " which the noise follows.",
         ),
     ] = (10.0, 10.0),
     seed: Seed = 1,

@@ -216,7 +216,10 @@ def measure(
     uv_max: Annotated[
         float | None,
         typer.Option(
-            callback=positive, rich_help_panel=METHOD, help="Longest baseline to use [wavelengths]."
+            callback=positive,
+            rich_help_panel=METHOD,
+            help="Longest baseline to use [wavelengths]; by default the converged extraction reads baselines up to"
+            " the longest that carries information on the shape of a source.",
         ),
     ] = None,
     weight: WeightOption = WeightName.NATURAL,
@@ -232,7 +235,7 @@ def measure(
             rich_help_panel=OUTPUT,
             metavar="NAMES",
             help="Comma-separated list of the shear estimators whose statistics are stored beside the shapes: moments,"
-            " bayesian, metacal, or MODULE:NAME of your own (only with --extraction converged).",
+            " bayesian, metacal, or MODULE:NAME of your own (only with --extraction converged and natural weights).",
             show_default=False,
         ),
     ] = None,

@@ -87,7 +87,8 @@ def psf(
         typer.Option(
             callback=positive,
             rich_help_panel=METHOD,
-            help="Scale length of the galaxy for which the loss of information is shown; 1 by default.",
+            help="Scale length of the galaxy for which the loss of information by a weighting or a uv range is shown;"
+            " 1 by default.",
             show_default=False,
         ),
     ] = None,
@@ -110,7 +111,9 @@ def psf(
     uv_max: Annotated[
         float | None,
         typer.Option(
-            callback=positive, rich_help_panel=METHOD, help="Longest baseline to use [wavelengths]."
+            callback=positive,
+            rich_help_panel=METHOD,
+            help="Longest baseline to use [wavelengths]; by default there is no limit.",
         ),
     ] = None,
     weight: WeightOption = WeightName.NATURAL,

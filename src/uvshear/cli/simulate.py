@@ -174,7 +174,8 @@ def simulate(
             callback=positive_pair,
             metavar="UJY SNR",
             rich_help_panel=NOISE,
-            help="Flux [uJy] and signal-to-noise ratio of a round galaxy of median size; they set the noise.",
+            help="Flux [uJy] and signal-to-noise ratio, with natural weights, of a round galaxy of median size, from"
+            " which the noise follows. Either this or --sefd-jy is needed, unless --no-noise is given.",
         ),
     ] = None,
     sefd_jy: Annotated[
@@ -205,7 +206,8 @@ def simulate(
         typer.Option(
             "--no-noise",
             rich_help_panel=NOISE,
-            help="Add no noise, but write the weights that correspond to the chosen noise level.",
+            help="Add no noise, but write the weights that --snr-at or --sefd-jy imply; those of --snr-at 10 10 if"
+            " neither is given.",
         ),
     ] = False,
     elevation_limit_deg: Annotated[

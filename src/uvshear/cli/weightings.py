@@ -69,7 +69,7 @@ TukeyTaperOption = Annotated[
         "--taper-tukey",
         callback=positive,
         rich_help_panel=METHOD,
-        help="Length of the cosine taper that ends at --uv-max [wavelengths].",
+        help="Length of the cosine taper that ends at --uv-max, which is then required [wavelengths].",
     ),
 ]
 InnerTukeyTaperOption = Annotated[
@@ -78,7 +78,7 @@ InnerTukeyTaperOption = Annotated[
         "--taper-inner-tukey",
         callback=positive,
         rich_help_panel=METHOD,
-        help="Length of the cosine taper that begins at --uv-min [wavelengths].",
+        help="Length of the cosine taper that begins at --uv-min, which is then required [wavelengths].",
     ),
 ]
 RoundPsfOption = Annotated[

@@ -96,7 +96,7 @@ def _known(estimate: ShearEstimate | None, sample: Sample) -> ShearEstimate:
         )
     if not cmath.isfinite(estimate.shear):
         raise InputError(
-            f"the responses of {estimate.n} galaxies to a shear add up to none, so that they do not determine a shear;"
+            f"the responses of {estimate.n} galaxies to a shear add up to zero, so that they do not determine a shear;"
             " more galaxies or another estimator are needed"
         )
     return estimate

@@ -7,7 +7,7 @@ from uvshear.typing import Array, Float, Int
 
 
 def ratio(terms: Terms) -> Float[Array, " 2"]:
-    """Return the ratio of the sums, without the shear of the expansion; NaN if the responses add up to none."""
+    """Return the ratio of the sums, without the shear of the expansion; NaN if the responses add up to zero."""
     return _solved(terms.response.sum(axis=0), terms.value.sum(axis=0)[:, None])[:, 0]
 
 

@@ -1,7 +1,7 @@
 """A crew of copies of this process, for work that holds Python's global interpreter lock and reads much memory.
 
 A copy is made by ``fork``: it sees all the memory of this process as it was when it was made, shares it until either
-writes to it, and starts within milliseconds. Only tasks, news and results are sent.
+writes to it, and starts within milliseconds. Only tasks, changes and results are sent.
 """
 
 import gc

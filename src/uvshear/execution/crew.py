@@ -1,4 +1,4 @@
-"""Workers that share an object for a while, and are told how it changes between their tasks."""
+"""A pool of workers that share an object for a while, and receive its changes between tasks."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator

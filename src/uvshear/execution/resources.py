@@ -15,7 +15,9 @@ def half_of_memory() -> float:
 
 @dataclass(frozen=True)
 class Resources:
-    """Workers and memory that a computation may use. Results do not depend on them.
+    """Workers and memory that a computation may use.
+
+    Results do not depend on the workers; only averages over cells depend on the memory, if there is little of it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Time of processors and memory that this process has used together with those that work for it."""
+"""CPU time and memory of this process and of its worker processes."""
 
 import os
 import resource
@@ -17,12 +17,12 @@ _MAXRSS: Final = 1 if sys.platform == "darwin" else 1024
 
 @dataclass(frozen=True)
 class Usage:
-    """What this process has used together with those that work for it.
+    """What this process and its worker processes have used.
 
     Parameters
     ----------
     cpu_seconds
-        Time of processors so far [s].
+        CPU time so far [s].
     memory
         Resident memory at present [bytes]. Pages that copies share with this process count once.
     peak
@@ -57,7 +57,7 @@ def _workers() -> Iterable[int]:
 
 
 def _cpu_seconds(pid: int) -> float:
-    """Time of processors that another process has used [s]; 0 if it has ended."""
+    """CPU time that another process has used [s]; 0 if it has ended."""
     try:
         # The name of the program, which comes before, may contain spaces.
         fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()

@@ -19,9 +19,9 @@ LEAST_N = 1e-3
 """Smallest n at which a plane is tangent, 0.06 degrees above the horizon; the centre of a tile may be beyond."""
 
 TOLERANCE = 3e-3
-"""Largest phase error at the edge of a tile [rad], for a baseline whose w is the root mean square of its band. Sources
-within 5 degrees of the phase centre of SKA-Mid, MeerKAT or the VLA are then predicted to 1e-3; without a limit, to 0.05
-to 0.11. The tiles of a field of 1 degree are as without one."""
+"""Largest phase error at the edge of a tile [rad], for a baseline whose w is the root mean square of its band. The
+visibilities of sources within 5 degrees of the phase centre of SKA-Mid, MeerKAT or the VLA are then predicted with
+relative errors of 1e-3; without a limit, of 0.05 to 0.11. The tiles of a field of 1 degree are as without one."""
 
 
 def touching_point(l: float, m: float) -> tuple[float, float, float]:

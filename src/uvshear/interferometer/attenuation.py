@@ -10,11 +10,9 @@ are
 factor at its centre applies to all of it.
 
 A sample may also be an average over a cell of (u, v, w), in which the phase of a source varies little. With the second
-moments C of the baselines in the cell about their mean, its factor is
+moments C of the baselines for which it stands, and the form Q of fourth degree (``AveragedRows``), its factor is
 
-.. math:: \exp(-2\pi^2\, x^\mathrm{T} C\, x), \quad x = (l, m, n-1),
-
-to the fourth order in the phase, if the baselines are distributed evenly.
+.. math:: \exp[-(x^\mathrm{T} C\, x + Q(x))/2], \quad x = 2\pi\, (l, m, n-1).
 """
 
 import math

@@ -40,11 +40,12 @@ class AveragedRows:
     Parameters
     ----------
     frequency
-        Mean frequency of the samples [Hz].
+        Mean frequency of the samples, with the weights of the row's node [Hz].
     width
-        Mean of Δν/ν of the samples, where Δν is the width of a channel, times the mean frequency [Hz].
+        Mean of Δν/ν of the samples, where Δν is the width of a channel, times this frequency [Hz].
     second
-        Second moments of the samples' baselines about their mean (``SECOND``), in the unit of the rows' UVW [m^2].
+        Second moments of the samples' baselines about that of the row (``SECOND``), with the weights of its node and in
+        the unit of its UVW [m^2].
     fourth
         Symmetric coefficients of what is lost beyond them (``FOURTH``) [m^4].
     size

@@ -4,9 +4,10 @@ The cost of every stage is estimated beforehand (``Stage.cost``), and a stage ta
 
     seconds = cost * pace of its kind.
 
-The pace of a kind is known once a stage of this kind has been seen; of a kind that has not been seen, it is taken to be
-that of all work so far. The pace of the stage that is under way moves from there to what it shows itself. Before much
-has been seen, the pace that is known beforehand (``Stage.pace``) counts as well.
+The pace of a kind is the mean over its stages so far; a kind without one has the mean pace of all work so far. The pace
+of the stage that is under way begins with this value, and approaches the stage's own pace as more of the stage is done.
+The pace that is known beforehand (``Stage.pace``) enters the mean of all work as well; its weight there declines as
+more work is done.
 """
 
 from collections.abc import Sequence

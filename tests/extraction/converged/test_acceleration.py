@@ -83,7 +83,7 @@ def test_the_information_sets_what_counts():
 
 
 def test_many_sources_before_few_antennas_converge(monkeypatch):
-    """Half an hour before the VLA (A) at one frequency: sidelobes couple all sources of the field."""
+    """Half an hour with the VLA (A) at one frequency: sidelobes couple all sources of the field."""
     half, count, rng = 10 * ARCMIN, 25, np.random.default_rng(1)
     galaxies = Galaxies(
         l=rng.uniform(-half, half, count),

@@ -42,7 +42,7 @@ def test_changes_go_on_to_shrink_as_they_did(changes):
 def test_the_first_change_shrinks_faster_than_later_ones():
     # Then 1.28 is left undone, and 0.41, 0.13 and 0.04 after three more.
     assert FORESIGHT.cycles_to_come(history(20.0, 4.0)) == 3
-    # Measured before SKA-Mid (8 h), before SKA-Mid (6 min) and before the VLA (A): three, four and three cycles.
+    # Measured with SKA-Mid (8 h), with SKA-Mid (6 min) and with the VLA (A): three, four and three cycles.
     assert FORESIGHT.cycles_to_come(history(11.7, 0.83)) == 1
     assert FORESIGHT.cycles_to_come(history(11.9, 2.34)) == 2
     assert FORESIGHT.cycles_to_come(history(16.9, 1.96)) == 1
@@ -51,14 +51,14 @@ def test_the_first_change_shrinks_faster_than_later_ones():
 
 def test_sources_that_do_not_come_to_rest_take_longer():
     moves = ((6.0, 18.0), (11.0, 13.0), (6.0, 17.0), (9.0, 14.0))
-    # Measured before MeerKAT: nine cycles.
+    # Measured with MeerKAT: nine cycles.
     restless = history(12.98).with_cycle(np.array([1.41]), moves)
     assert FORESIGHT.cycles_to_come(restless) == 7
     assert FORESIGHT.cycles_to_come(history(12.98, 1.41)) == 1
 
 
 def test_a_jump_of_a_few_sources_does_not_go_on():
-    # Measured before MeerKAT: one more cycle, with a change of 0.09.
+    # Measured with MeerKAT: one more cycle, with a change of 0.09.
     assert FORESIGHT.cycles_to_come(history(13.0, 1.41, 0.84, 0.61, 0.39, 0.31, 0.23, 0.83)) == 1
     # Two more were needed as well before it, when changes shrank by 0.76.
     assert FORESIGHT.cycles_to_come(history(13.0, 1.41, 0.84, 0.61, 0.39, 0.31, 0.23)) == 2

@@ -57,7 +57,7 @@ def test_rough_cycles_and_a_whole_one_are_taken_for_granted(planner, plan):
 
 
 def test_where_no_baseline_is_left_out_no_cycle_is_taken_for_granted(planner, plan):
-    """Measured before MeerKAT, 200 galaxies in 20 arcmin: two cycles, with changes of 12.3 and 0.74."""
+    """Measured with MeerKAT, 200 galaxies in 20 arcmin: two cycles, with changes of 12.3 and 0.74."""
     known, moves = workload(planner), ((9.0, 1.0),)
     assert names(known.stages(History(), plan))[-3:] == [
         "major cycle 2",

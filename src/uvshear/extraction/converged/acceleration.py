@@ -21,7 +21,7 @@ from uvshear.shapes.template import difference
 from uvshear.typing import Array, Float
 
 DEPTH: Final = 10
-"""Number of earlier cycles that are combined with the last. Before the VLA (A), in two hours at one frequency, 120
+"""Number of earlier cycles that are combined with the last. With the VLA (A), in two hours at one frequency, 120
 galaxies of signal-to-noise ratios up to 400 diverge without acceleration. With a depth of 5 all but 7 converge in ten
 cycles, with a depth of 10 all of them."""
 

@@ -14,7 +14,7 @@ SLOWER = 1.6
 """Ratio of the next factor to this first one. For fields of SKA-Mid and of the VLA (A) it is between 1.6 and 2.6."""
 
 RESTLESS = 0.7
-"""Least factor after a minor cycle in which the sources have not come to rest. Before MeerKAT, 360 galaxies in 30
+"""Least factor after a minor cycle in which the sources have not come to rest. With MeerKAT, 360 galaxies in 30
 arcmin change by 0.6 to 0.8 times the last change from the third major cycle on, in the geometric mean by 0.70."""
 
 REMEMBERED = 3
@@ -51,7 +51,7 @@ class Foresight:
     def cycles_to_come(self, history: History) -> int:
         """Return the number of further major cycles, if changes go on to shrink as they did in the last ones.
 
-        A change that is larger than the one before it is that of a few sources which have jumped: before MeerKAT a
+        A change that is larger than the one before it is that of a few sources which have jumped: with MeerKAT a
         change of 0.23 was followed by 0.83, and this by 0.09. It does not go on, and changes shrink further from those
         before it.
         """

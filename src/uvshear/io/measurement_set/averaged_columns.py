@@ -17,7 +17,7 @@ WIDTH: Final = "UVSHEAR_WIDTH"
 """Mean of Δν/ν of the samples times their mean frequency [Hz]."""
 
 SECOND: Final = "UVSHEAR_SECOND"
-"""Second moments of UVW: uu, uv, uw, vv, vw, ww [m^2]."""
+"""Second moments of the samples' UVW about that of the row: uu, uv, uw, vv, vw, ww [m^2]."""
 
 FOURTH: Final = "UVSHEAR_FOURTH"
 """Coefficients of the loss beyond them: uuuu, uuuv, uuuw, uuvv, uuvw, uuww, uvvv, uvvw, uvww, uwww, vvvv, vvvw, vvww,
