@@ -152,6 +152,11 @@ VLA = Field(
     "--layout vla-a --declination-deg 30 --band-mhz 1200 1800 --snr-at 10 10 --hours 6"
     " --integration-s 60 --channels 8",
 )
+MANY_SAMPLES = Field(
+    "--field-arcmin 30 --disc --count 300 --ring 1 --flux-ujy 100 2000",
+    "--layout meerkat --declination-deg -30 --band-mhz 856 1712 --snr-at 300 30 --smearing"
+    " --hour-angles -4.0 -3.2 --integration-s 8 --channels 128",
+)
 DEGREE = Field(
     "--field-arcmin 60 --count 10080",
     f"{SKA} --hours 8 --integration-s 60 --channels 1",
@@ -249,7 +254,7 @@ def averaging(field: Field, workers: int) -> Callable[[Path], Work]:
         return lambda progress: uvshear.average(
             path,
             folder / "averages.ms",
-            field_arcmin=12.0,
+            field_arcmin=30.0,
             resources=uvshear.Resources(uvshear.Threads(workers)),
             overwrite=True,
             progress=progress,
@@ -290,7 +295,7 @@ WORKS: dict[str, Callable[[Path], Work]] = {
     "bias-moments-2": biased(2, "moments", galaxies=20_000),
     "bias-bayesian-1": biased(1, "bayesian", galaxies=200),
     "bias-crowd-2": biased(2, "moments", galaxies=100, density=2.8),
-    "average-1": averaging(TWELVE, 1),
+    "average-2": averaging(MANY_SAMPLES, 2),
     "shear-bayesian": shearing(TWELVE, "bayesian"),
 }
 """Preparations of long works; the number is that of the workers."""

@@ -30,7 +30,7 @@ SAMPLE, CELL = 110.0, 1500.0
 GAIN = 0.7
 """Logarithm of the gain in speed by some workers, over that of their number."""
 
-NEW_CELLS = 0.8
+NEW_CELLS = 0.6
 """Logarithm of the growth of the number of cells, over that of the samples."""
 
 
