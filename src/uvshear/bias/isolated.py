@@ -7,9 +7,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from uvshear.bias.cell_average import CellAverageBeam
 from uvshear.bias.fit import TermSums, fit_bias, shears_from_sums
-from uvshear.bias.mock_facets import FacetNoise, MockBeam
+from uvshear.bias.mock_facets import FacetBeam, FacetNoise
 from uvshear.bias.realisations import OPPOSITE, TURNED, Realisation
 from uvshear.errors import InputError
 from uvshear.estimators import Bias, Estimator, Sample
@@ -87,7 +86,7 @@ class Experiment:
         Seed of galaxies and noise.
     """
 
-    beam: MockBeam | CellAverageBeam
+    beam: FacetBeam
     shears: tuple[complex, ...]
     population: Population = field(default_factory=Population)
     profile: Profile = field(default_factory=Exponential)

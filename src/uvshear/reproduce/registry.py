@@ -1,0 +1,52 @@
+"""The targets at each scale."""
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Final
+
+from uvshear.errors import InputError
+from uvshear.reproduce.names import PAPER, QUICK, SCALES, TARGETS
+from uvshear.reproduce.paper_pointing import PaperPointing
+from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.reproduce.psf_images import PsfImages
+from uvshear.reproduce.psf_zenith import PsfZenith
+
+Maker = Callable[[int], PaperTarget]
+"""Function from a seed to a target."""
+
+COARSE: Final = 900.0
+"""Integration with which the track is sampled for speed [s]: 0.62 million rows instead of 9.27 million. The noise is
+scaled such that signal-to-noise ratios are the same."""
+
+_BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
+    {
+        QUICK: {
+            "psf-images": lambda seed: PsfImages(seed, PaperPointing(integration=COARSE)),
+            "psf-zenith": lambda seed: PsfZenith(seed, integration=COARSE),
+        },
+        PAPER: {
+            "psf-images": PsfImages,
+            "psf-zenith": PsfZenith,
+        },
+    }
+)
+
+
+def targets_at(scale: str, names: tuple[str, ...] = (), seed: int = 1) -> tuple[PaperTarget, ...]:
+    """Return targets at a scale, all of them unless names are given, in the order of the page.
+
+    Raises
+    ------
+    InputError
+        A name or the scale is not known.
+    """
+    if scale not in SCALES:
+        raise InputError(f"scale '{scale}' is not known; the known scales are {', '.join(SCALES)}")
+    for name in names:
+        if name not in TARGETS:
+            raise InputError(
+                f"target '{name}' is not known; the known targets are {', '.join(TARGETS)}"
+            )
+    return tuple(
+        make(seed) for name, make in _BY_SCALE[scale].items() if not names or name in names
+    )

@@ -1,0 +1,28 @@
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from uvshear.reproduce.finding import Finding
+from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.typing import Array
+
+
+@dataclass(frozen=True)
+class Halves(PaperTarget):
+    name = "halves"
+    title = "Halves"
+
+    width: float = 0.5
+
+    def tasks(self) -> Mapping[str, Any]:
+        return {}
+
+    def measure(self, task: Any) -> Mapping[str, Array]:
+        return {}
+
+    def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
+        raise NotImplementedError
+
+
+def test_settings_are_the_fields_as_text():
+    assert Halves(3).settings() == {"seed": "3", "width": "0.5"}
