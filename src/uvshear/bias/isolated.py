@@ -140,11 +140,14 @@ class MockGalaxy:
         Index of the shear among those of the experiment.
     source
         Facet of the galaxy, as it is passed to an estimator.
+    true
+        The galaxy behind the shear.
     """
 
     number: int
     shear: int
     source: SourceFacet
+    true: GalaxyFit
 
 
 def estimate_isolated_bias(
@@ -344,7 +347,7 @@ def mock_galaxies(
                     population=experiment.weights_population,
                     draw_noise=_given(altered(simulator, more)),
                 )
-                yield MockGalaxy(k, column, source)
+                yield MockGalaxy(k, column, source, galaxy)
 
 
 def _given(noise: FacetNoise) -> Callable[[int], Complex[Array, " cell"]]:

@@ -7,6 +7,7 @@ TARGETS: Final = MappingProxyType(
     {
         "psf-images": "the natural and the uniform PSF (section 4.1, figure of the PSF)",
         "psf-zenith": "ellipticity and size of the PSF against zenith distance (section 6)",
+        "facet-size": "slopes with the facets of Table 1, and the numbers of cells that they need",
     }
 )
 """Content of each target, in the order of the page."""

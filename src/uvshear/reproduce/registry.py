@@ -5,6 +5,7 @@ from types import MappingProxyType
 from typing import Final
 
 from uvshear.errors import InputError
+from uvshear.reproduce.facet_size import FacetSize
 from uvshear.reproduce.names import PAPER, QUICK, SCALES, TARGETS
 from uvshear.reproduce.paper_pointing import PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
@@ -23,10 +24,14 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
         QUICK: {
             "psf-images": lambda seed: PsfImages(seed, PaperPointing(integration=COARSE)),
             "psf-zenith": lambda seed: PsfZenith(seed, integration=COARSE),
+            "facet-size": lambda seed: FacetSize(
+                seed, PaperPointing(integration=COARSE), 40, searched=6, fractions=(0.2, 0.5, 1.0, 1.5)
+            ),
         },
         PAPER: {
             "psf-images": PsfImages,
             "psf-zenith": PsfZenith,
+            "facet-size": lambda seed: FacetSize(seed, PaperPointing(integration=COARSE)),
         },
     }
 )

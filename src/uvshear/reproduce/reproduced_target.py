@@ -26,7 +26,7 @@ class ReproducedTarget:
     seed
         Seed of its random numbers.
     seconds
-        Time that its parts took, added up [s of one core].
+        Processor time that its parts took, added up [s].
     quantities
         Rows of its table.
     picture
