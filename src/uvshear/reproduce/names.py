@@ -8,6 +8,13 @@ TARGETS: Final = MappingProxyType(
         "psf-images": "the natural and the uniform PSF (section 4.1, figure of the PSF)",
         "psf-zenith": "ellipticity and size of the PSF against zenith distance (section 6)",
         "facet-size": "slopes with the facets of Table 1, and the numbers of cells that they need",
+        "facet-residuals": "residuals with facets of fixed and of variable size (section 4.1)",
+        "shear-bias": "m and c of the mean of isolated galaxies (Table 2)",
+        "c-round": "additive bias behind a round PSF (sections 6 and 7)",
+        "c-zenith": "additive bias against zenith distance (section 6)",
+        "c-size": "additive bias against the size of galaxies (section 6)",
+        "c-snapshots": "additive bias of snapshots spread over hour angles (section 6)",
+        "c-facets": "additive bias with fixed and with growing facets (section 6)",
     }
 )
 """Content of each target, in the order of the page."""

@@ -5,12 +5,19 @@ from types import MappingProxyType
 from typing import Final
 
 from uvshear.errors import InputError
+from uvshear.reproduce.c_facets import FacetBias
+from uvshear.reproduce.c_round import RoundBias
+from uvshear.reproduce.c_size import SizeBias
+from uvshear.reproduce.c_snapshots import SnapshotBias
+from uvshear.reproduce.c_zenith import ZenithBias
+from uvshear.reproduce.facet_residuals import FacetResiduals
 from uvshear.reproduce.facet_size import FacetSize
 from uvshear.reproduce.names import PAPER, QUICK, SCALES, TARGETS
 from uvshear.reproduce.paper_pointing import PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
 from uvshear.reproduce.psf_images import PsfImages
 from uvshear.reproduce.psf_zenith import PsfZenith
+from uvshear.reproduce.shear_bias import ShearBias
 
 Maker = Callable[[int], PaperTarget]
 """Function from a seed to a target."""
@@ -25,13 +32,35 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
             "psf-images": lambda seed: PsfImages(seed, PaperPointing(integration=COARSE)),
             "psf-zenith": lambda seed: PsfZenith(seed, integration=COARSE),
             "facet-size": lambda seed: FacetSize(
-                seed, PaperPointing(integration=COARSE), 40, searched=6, fractions=(0.2, 0.5, 1.0, 1.5)
+                seed,
+                PaperPointing(integration=COARSE),
+                40,
+                searched=6,
+                fractions=(0.2, 0.5, 1.0, 1.5),
             ),
+            "facet-residuals": lambda seed: FacetResiduals(
+                seed, PaperPointing(integration=COARSE), 150
+            ),
+            "shear-bias": lambda seed: ShearBias(
+                seed, PaperPointing(integration=COARSE), 8, 6, block=2
+            ),
+            "c-round": lambda seed: RoundBias(seed, COARSE, 24, 8, with_cells=8),
+            "c-zenith": lambda seed: ZenithBias(seed, COARSE, 24, 8, with_cells=8),
+            "c-size": lambda seed: SizeBias(seed, COARSE, 24, 8),
+            "c-snapshots": lambda seed: SnapshotBias(seed, COARSE, 24, 8),
+            "c-facets": lambda seed: FacetBias(seed, COARSE, 8, 8),
         },
         PAPER: {
             "psf-images": PsfImages,
             "psf-zenith": PsfZenith,
             "facet-size": lambda seed: FacetSize(seed, PaperPointing(integration=COARSE)),
+            "facet-residuals": lambda seed: FacetResiduals(seed, PaperPointing(integration=COARSE)),
+            "shear-bias": lambda seed: ShearBias(seed, PaperPointing(integration=COARSE), 500),
+            "c-round": RoundBias,
+            "c-zenith": ZenithBias,
+            "c-size": SizeBias,
+            "c-snapshots": SnapshotBias,
+            "c-facets": FacetBias,
         },
     }
 )
