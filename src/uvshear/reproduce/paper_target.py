@@ -22,6 +22,8 @@ class PaperTarget(ABC):
         Name of the target on the command line.
     title
         Heading of its section.
+    is_alone
+        Whether its parts are computed one after the other in this process, because they use workers themselves.
 
     Parameters
     ----------
@@ -31,6 +33,7 @@ class PaperTarget(ABC):
 
     name: ClassVar[str]
     title: ClassVar[str]
+    is_alone: ClassVar[bool] = False
 
     seed: int = 1
 

@@ -5,19 +5,26 @@ from types import MappingProxyType
 from typing import Final
 
 from uvshear.errors import InputError
+from uvshear.reproduce.averaging_test import AveragingTest
 from uvshear.reproduce.c_facets import FacetBias
 from uvshear.reproduce.c_round import RoundBias
 from uvshear.reproduce.c_size import SizeBias
 from uvshear.reproduce.c_snapshots import SnapshotBias
 from uvshear.reproduce.c_zenith import ZenithBias
+from uvshear.reproduce.density import DensityTarget
 from uvshear.reproduce.facet_residuals import FacetResiduals
 from uvshear.reproduce.facet_size import FacetSize
+from uvshear.reproduce.fit_timing import FitTiming
+from uvshear.reproduce.gridded_model import GriddedModel
+from uvshear.reproduce.metacal_round import MetacalRound
 from uvshear.reproduce.names import PAPER, QUICK, SCALES, TARGETS
-from uvshear.reproduce.paper_pointing import PaperPointing
+from uvshear.reproduce.paper_pointing import BASELINE, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
 from uvshear.reproduce.psf_images import PsfImages
 from uvshear.reproduce.psf_zenith import PsfZenith
 from uvshear.reproduce.shear_bias import ShearBias
+from uvshear.reproduce.shear_density import ShearDensity
+from uvshear.reproduce.weighting_test import WeightingTest
 
 Maker = Callable[[int], PaperTarget]
 """Function from a seed to a target."""
@@ -41,6 +48,13 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
             "facet-residuals": lambda seed: FacetResiduals(
                 seed, PaperPointing(integration=COARSE), 150
             ),
+            "weighting": lambda seed: WeightingTest(
+                seed, PaperPointing(integration=COARSE), 60, 20
+            ),
+            "gridded-model": lambda seed: GriddedModel(
+                seed, PaperPointing(integration=COARSE), 20, 10
+            ),
+            "averaging": lambda seed: AveragingTest(seed, BASELINE, 40, 20),
             "shear-bias": lambda seed: ShearBias(
                 seed, PaperPointing(integration=COARSE), 8, 6, block=2
             ),
@@ -49,18 +63,31 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
             "c-size": lambda seed: SizeBias(seed, COARSE, 24, 8),
             "c-snapshots": lambda seed: SnapshotBias(seed, COARSE, 24, 8),
             "c-facets": lambda seed: FacetBias(seed, COARSE, 8, 8),
+            "density": lambda seed: DensityTarget(seed, (1.0, 2.8), 60, 1, 1800.0),
+            "shear-density": lambda seed: ShearDensity(seed, (1.0, 2.8), 20, 2, 1800.0),
+            "metacal-round": lambda seed: MetacalRound(
+                seed, PaperPointing(integration=COARSE), 40, 10
+            ),
+            "timing": lambda seed: FitTiming(seed, PaperPointing(integration=COARSE), 100),
         },
         PAPER: {
             "psf-images": PsfImages,
             "psf-zenith": PsfZenith,
             "facet-size": lambda seed: FacetSize(seed, PaperPointing(integration=COARSE)),
             "facet-residuals": lambda seed: FacetResiduals(seed, PaperPointing(integration=COARSE)),
+            "weighting": lambda seed: WeightingTest(seed, PaperPointing(integration=COARSE)),
+            "gridded-model": lambda seed: GriddedModel(seed, PaperPointing(integration=COARSE)),
+            "averaging": AveragingTest,
             "shear-bias": lambda seed: ShearBias(seed, PaperPointing(integration=COARSE), 500),
             "c-round": RoundBias,
             "c-zenith": ZenithBias,
             "c-size": SizeBias,
             "c-snapshots": SnapshotBias,
             "c-facets": FacetBias,
+            "density": DensityTarget,
+            "shear-density": ShearDensity,
+            "metacal-round": lambda seed: MetacalRound(seed, PaperPointing(integration=COARSE)),
+            "timing": lambda seed: FitTiming(seed, PaperPointing(integration=COARSE)),
         },
     }
 )

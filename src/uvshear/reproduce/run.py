@@ -9,7 +9,7 @@ import numpy as np
 
 from uvshear import __version__
 from uvshear.errors import InputError
-from uvshear.execution import Resources, single_threaded_libraries
+from uvshear.execution import SERIAL, Resources, single_threaded_libraries
 from uvshear.io.outputs import write_json
 from uvshear.io.part_files import PartFiles
 from uvshear.io.provenance import Provenance
@@ -121,10 +121,9 @@ def _compute(
     tasks = target.tasks()
     missing = [name for name in tasks if name not in store]
     meter.add(len(tasks) - len(missing))
+    executor = SERIAL if target.is_alone else resources.executor
     with single_threaded_libraries():
-        measured = resources.executor.distribute(
-            _measured, target, [tasks[name] for name in missing]
-        )
+        measured = executor.distribute(_measured, target, [tasks[name] for name in missing])
         for name, values in zip(missing, measured, strict=True):
             store.save(name, values)
             meter.add(1)
