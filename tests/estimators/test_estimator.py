@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from tests.estimators.facets import in_other_unit, source_facet
-from uvshear.bias.isolated import MockGalaxy
 from uvshear.estimators.bayesian import Bayesian
 from uvshear.estimators.estimate import sky_terms
 from uvshear.estimators.estimator import Estimator, observe

@@ -38,7 +38,7 @@ def mean_bias(sample: ShapeSample, shears: Sequence[complex]) -> MeanBias:
         m = \frac{\sum_s g_s \hat g_s}{\sum_s g_s^2} - 1,\quad c = \frac{1}{n}\sum_s \hat g_s
 
     for each component, with shears that add up to zero. Errors are from the scatter among galaxies: all measurements of
-    a galaxy are left out together.
+    a galaxy are left out together. Without a measurement behind one of the shears all numbers are NaN.
 
     Parameters
     ----------
@@ -55,6 +55,9 @@ def mean_bias(sample: ShapeSample, shears: Sequence[complex]) -> MeanBias:
     np.add.at(sums, (galaxy, sample.shear), weight * values)
     np.add.at(norm, (galaxy, sample.shear), weight)
     total = norm.sum(axis=0)
+    if not np.all(total > 0):
+        none = Estimate(float("nan"), float("nan"))
+        return MeanBias((none, none), (none, none), np.full(len(shears), np.nan + 0j), 0)
     found = sums.sum(axis=0) / total
     influence = (sums - found * norm) / total
     n = len(numbers)

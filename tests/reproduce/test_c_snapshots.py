@@ -1,0 +1,16 @@
+from tests.reproduce.small_targets import check_finding, finding_of
+from uvshear.reproduce.c_snapshots import TRACKS, WORDS
+
+
+def test_every_case_has_its_additive_bias():
+    finding = finding_of("c-snapshots")
+    check_finding(finding, panels=2)
+    biases = [row for row in finding.quantities if row.name.startswith("c")]
+    assert biases
+    assert all((row.own or row.as_paper).error >= 0 for row in biases)
+
+
+def test_snapshots_add_up_to_eight_hours():
+    for ranges in TRACKS.values():
+        assert sum(stop - start for start, stop in ranges) == 8 * 3600
+    assert set(WORDS) == set(TRACKS)
