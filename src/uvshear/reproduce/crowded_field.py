@@ -19,6 +19,7 @@ from uvshear.pipeline.measure import measure
 from uvshear.predict.within_error import predict_within_error
 from uvshear.reproduce.paper_pointing import PaperPointing
 from uvshear.reproduce.shape_sample import FLAGS
+from uvshear.simulation.lensing import shear_at_fixed_scale_length
 from uvshear.simulation.noise_level import GalaxyNoise
 from uvshear.simulation.population import Population, draw_population
 from uvshear.simulation.sky_region import SquareField
@@ -49,6 +50,10 @@ class CrowdedField:
         Number of galaxies that share size, flux and abs(e), with e equally spaced on a circle.
     seed
         Seed of galaxies and noise.
+    shears
+        Shears of which one is applied, in the frame of (l, m), with constant scale lengths as in the paper.
+    shear
+        Which of them is applied.
     """
 
     extraction: str
@@ -57,6 +62,8 @@ class CrowdedField:
     density: float
     ring: int = 1
     seed: int = 1
+    shears: tuple[complex, ...] = (0j,)
+    shear: int = 0
 
     def measured(self) -> dict[str, Array]:
         """Return the columns of a ``ShapeSample`` for all galaxies."""
@@ -64,6 +71,7 @@ class CrowdedField:
         side = math.sqrt(self.galaxies / self.density) * ARCMIN
         population = Population(ring=self.ring)
         galaxies = draw_population(population, SquareField(side), number=self.galaxies, rng=rng)
+        galaxies = shear_at_fixed_scale_length(galaxies, self.shears[self.shear])
         plan = self.pointing.plan
         baselines = synthesise(plan.layout, plan.track)
         sigma = GalaxyNoise().scaled_to(baselines, plan.channels, FITTED).stokes_i_sigma
@@ -94,7 +102,7 @@ class CrowdedField:
         return {
             # Galaxies of a ring are left out together by the jackknife.
             "galaxy": numbers // self.ring + self.seed * 1_000_000,
-            "shear": np.zeros(self.galaxies, int),
+            "shear": np.full(self.galaxies, self.shear),
             "realisation": numbers % self.ring,
             "flux": galaxies.flux,
             "true": galaxies.ellipticity,

@@ -13,6 +13,7 @@ TARGETS: Final = MappingProxyType(
         "gridded-model": "the model averaged in cells as the data are (section 4.1)",
         "averaging": "samples of 30 kHz and 0.5 s averaged into one grid (section 2.1)",
         "shear-bias": "m and c of the mean of isolated galaxies (Table 2)",
+        "shear-bias-crowded": "m and c of the mean of galaxies that share a field (Table 2)",
         "c-round": "additive bias behind a round PSF (sections 6 and 7)",
         "c-zenith": "additive bias against zenith distance (section 6)",
         "c-size": "additive bias against the size of galaxies (section 6)",

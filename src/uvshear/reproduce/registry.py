@@ -23,6 +23,7 @@ from uvshear.reproduce.paper_target import PaperTarget
 from uvshear.reproduce.psf_images import PsfImages
 from uvshear.reproduce.psf_zenith import PsfZenith
 from uvshear.reproduce.shear_bias import ShearBias
+from uvshear.reproduce.shear_bias_crowded import CrowdedShearBias
 from uvshear.reproduce.shear_density import ShearDensity
 from uvshear.reproduce.weighting_test import WeightingTest
 
@@ -58,6 +59,7 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
             "shear-bias": lambda seed: ShearBias(
                 seed, PaperPointing(integration=COARSE), 8, 6, block=2
             ),
+            "shear-bias-crowded": lambda seed: CrowdedShearBias(seed, 20, 1, integration=1800.0),
             "c-round": lambda seed: RoundBias(seed, COARSE, 24, 8, with_cells=8),
             "c-zenith": lambda seed: ZenithBias(seed, COARSE, 24, 8, with_cells=8),
             "c-size": lambda seed: SizeBias(seed, COARSE, 24, 8),
@@ -79,6 +81,7 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
             "gridded-model": lambda seed: GriddedModel(seed, PaperPointing(integration=COARSE)),
             "averaging": AveragingTest,
             "shear-bias": lambda seed: ShearBias(seed, PaperPointing(integration=COARSE), 500),
+            "shear-bias-crowded": CrowdedShearBias,
             "c-round": RoundBias,
             "c-zenith": ZenithBias,
             "c-size": SizeBias,

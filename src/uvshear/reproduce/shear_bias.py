@@ -25,7 +25,7 @@ from uvshear.reproduce.shape_sample import (
     shape_tasks,
 )
 from uvshear.reproduce.shear_statistics import MeanBias, mean_bias
-from uvshear.typing import Array
+from uvshear.typing import Array, Complex
 
 WAYS = {"cells": CellFacets(TableCount()), "exact": ExactFacetWay()}
 
@@ -87,7 +87,7 @@ class ShearBias(PaperTarget):
         biases: dict[str, dict[str, MeanBias]] = {}
         for cut, flux in CUTS.items():
             biases[cut] = {
-                name: mean_bias(_above(sample_named(found, name), flux), SHEARS)
+                name: mean_bias(above(sample_named(found, name), flux), SHEARS)
                 for name in (*WAYS, "rings")
             }
             for part in (0, 1):
@@ -104,7 +104,10 @@ class ShearBias(PaperTarget):
                         )
                     )
         quantities += self._rows_of_rings(found, printed)
-        panels = [_panel(cut, biases[cut]) for cut in CUTS]
+        words = {"cells": "facets of Table 1", "exact": "exact facets"}
+        panels = [
+            shear_panel(cut, {words[way]: biases[cut][way].shears for way in WAYS}) for cut in CUTS
+        ]
         caption = (
             "Mean ellipticities behind eight shears of modulus 0.04: the true shear (crosses), the paper's facets and"
             " exact facets, for galaxies above a signal-to-noise ratio of 10 (left) and 25 (right)."
@@ -144,18 +147,21 @@ class ShearBias(PaperTarget):
         )
 
 
-def _above(sample: ShapeSample, flux: float) -> ShapeSample:
+def above(sample: ShapeSample, flux: float) -> ShapeSample:
+    """Return the galaxies above a flux [Jy]."""
     return sample.select(sample.flux >= flux)
 
 
-def _panel(cut: str, biases: Mapping[str, MeanBias]) -> CurvePanel:
+def shear_panel(cut: str, shears: Mapping[str, Complex[Array, " shear"]]) -> CurvePanel:
+    """Return a panel of mean ellipticities, by their names, beside the input shears."""
     true = np.array(SHEARS)
     curves = [
         Curve(
             "input shear", true.real.tolist(), true.imag.tolist(), is_published=True, is_line=False
         )
     ]
-    for name, words in (("cells", "facets of Table 1"), ("exact", "exact facets")):
-        shears = biases[name].shears
-        curves.append(Curve(words, shears.real.tolist(), shears.imag.tolist(), is_line=False))
+    curves += [
+        Curve(words, found.real.tolist(), found.imag.tolist(), is_line=False)
+        for words, found in shears.items()
+    ]
     return CurvePanel("$g_1$", "$g_2$", tuple(curves), f"SNR ≥ {cut}", levels=(0.0,))
