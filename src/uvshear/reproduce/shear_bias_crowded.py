@@ -99,7 +99,7 @@ class CrowdedShearBias(PaperTarget):
         )
         remarks = (
             f"There are {self.fields} fields of {self.galaxies} galaxies in rings of ten, at {self.density:g} per"
-            " square arcminute. A field has the same noise behind all shears. Shears change ellipticities and leave scale"
-            " lengths alone, as in the paper.",
+            " square arcminute. A field has the same noise behind all shears. Shears change ellipticities and leave"
+            " scale lengths alone, as in the paper.",
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, remarks)
