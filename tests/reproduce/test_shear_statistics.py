@@ -30,6 +30,10 @@ def test_m_and_c_are_found():
 
 def test_errors_are_those_of_many_repetitions():
     found = [mean_bias(_sample(60, 0j, 0j, 0.1, seed), SHEARS) for seed in range(200)]
+    shears = np.array([bias.shears for bias in found])
+    assert np.std(shears.real, axis=0).mean() == pytest.approx(
+        found[0].errors.real.mean(), rel=0.25
+    )
     for what in ("m", "c"):
         for part in (0, 1):
             values = [getattr(bias, what)[part].value for bias in found]

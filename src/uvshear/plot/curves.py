@@ -6,6 +6,7 @@ from typing import Final
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from uvshear.plot.figure import new_figure
 
@@ -26,8 +27,8 @@ class Curve:
         Entry in the legend.
     x, y
         Positions of the points.
-    error
-        Standard errors of y; None where they are negligible.
+    error, x_error
+        Standard errors of y and of x; None where they are negligible.
     is_published
         Whether the points are printed in the paper: these are black crosses.
     is_line
@@ -38,6 +39,7 @@ class Curve:
     x: Sequence[float]
     y: Sequence[float]
     error: Sequence[float] | None = None
+    x_error: Sequence[float] | None = None
     is_published: bool = False
     is_line: bool = True
 
@@ -90,6 +92,7 @@ def _draw_panel(ax: Axes, panel: CurvePanel) -> None:
             list(curve.x),
             list(curve.y),
             None if curve.error is None else list(curve.error),
+            None if curve.x_error is None else list(curve.x_error),
             fmt=marker,
             ms=7 if curve.is_published else 5,
             mew=1.6 if curve.is_published else 0.8,
@@ -102,5 +105,8 @@ def _draw_panel(ax: Axes, panel: CurvePanel) -> None:
     ax.set(xlabel=panel.x_label, ylabel=panel.y_label, title=panel.title)
     if panel.is_log:
         ax.set_xscale("log")
+        ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        ax.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+        ax.xaxis.set_minor_formatter(NullFormatter())
     if any(curve.label for curve in panel.curves):
         ax.legend(frameon=False, fontsize="small")

@@ -227,7 +227,10 @@ class FacetSize(PaperTarget):
         self, flux: list[float], rows: tuple[FluxRange, ...], searched: Mapping[str, list[float]]
     ) -> CurvePanel:
         table = Curve(
-            "Rivi & Miller 2018, Table 1", flux, [float(row.cells) for row in rows], None, True
+            "Rivi & Miller 2018, Table 1",
+            flux,
+            [float(row.cells) for row in rows],
+            is_published=True,
         )
         curves = [Curve(f"{name} weights", flux, cells) for name, cells in searched.items()]
         return CurvePanel(
@@ -261,5 +264,5 @@ def _curve_of(
         x,
         [estimate.value for estimate in estimates],
         [estimate.error or 0.0 for estimate in estimates],
-        is_published,
+        is_published=is_published,
     )

@@ -25,7 +25,7 @@ from uvshear.reproduce.shape_sample import (
     shape_tasks,
 )
 from uvshear.reproduce.shear_statistics import MeanBias, mean_bias
-from uvshear.typing import Array, Complex
+from uvshear.typing import Array
 
 WAYS = {"cells": CellFacets(TableCount()), "exact": ExactFacetWay()}
 
@@ -105,9 +105,7 @@ class ShearBias(PaperTarget):
                     )
         quantities += self._rows_of_rings(found, printed)
         words = {"cells": "facets of Table 1", "exact": "exact facets"}
-        panels = [
-            shear_panel(cut, {words[way]: biases[cut][way].shears for way in WAYS}) for cut in CUTS
-        ]
+        panels = [shear_panel(cut, {words[way]: biases[cut][way] for way in WAYS}) for cut in CUTS]
         caption = (
             "Mean ellipticities behind eight shears of modulus 0.04: the true shear (crosses), the paper's facets and"
             " exact facets, for galaxies above a signal-to-noise ratio of 10 (left) and 25 (right)."
@@ -152,8 +150,8 @@ def above(sample: ShapeSample, flux: float) -> ShapeSample:
     return sample.select(sample.flux >= flux)
 
 
-def shear_panel(cut: str, shears: Mapping[str, Complex[Array, " shear"]]) -> CurvePanel:
-    """Return a panel of mean ellipticities, by their names, beside the input shears."""
+def shear_panel(cut: str, biases: Mapping[str, MeanBias]) -> CurvePanel:
+    """Return a panel of the mean ellipticities of several biases, by their names, beside the input shears."""
     true = np.array(SHEARS)
     curves = [
         Curve(
@@ -161,7 +159,14 @@ def shear_panel(cut: str, shears: Mapping[str, Complex[Array, " shear"]]) -> Cur
         )
     ]
     curves += [
-        Curve(words, found.real.tolist(), found.imag.tolist(), is_line=False)
-        for words, found in shears.items()
+        Curve(
+            words,
+            bias.shears.real.tolist(),
+            bias.shears.imag.tolist(),
+            bias.errors.imag.tolist(),
+            bias.errors.real.tolist(),
+            is_line=False,
+        )
+        for words, bias in biases.items()
     ]
     return CurvePanel("$g_1$", "$g_2$", tuple(curves), f"SNR ≥ {cut}", levels=(0.0,))

@@ -89,7 +89,7 @@ class CrowdedShearBias(PaperTarget):
                     )
         words = {"paper": "the paper's way", "converged": "converged extraction"}
         panels = [
-            shear_panel(cut, {words[way]: bias.shears for way, bias in found_at.items()})
+            shear_panel(cut, {words[way]: bias for way, bias in found_at.items()})
             for cut, found_at in biases.items()
         ]
         caption = (

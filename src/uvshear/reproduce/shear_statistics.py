@@ -18,8 +18,8 @@ class MeanBias:
     ----------
     m, c
         Multiplicative and additive bias of both components; m is NaN without a shear.
-    shears
-        Mean ellipticity g1 + i g2 behind each shear.
+    shears, errors
+        Mean ellipticity g1 + i g2 behind each shear, and the standard errors of its components as one complex number.
     galaxies
         Number of galaxies with a measurement.
     """
@@ -27,6 +27,7 @@ class MeanBias:
     m: tuple[Estimate, Estimate]
     c: tuple[Estimate, Estimate]
     shears: Complex[Array, " shear"]
+    errors: Complex[Array, " shear"]
     galaxies: int
 
 
@@ -57,7 +58,8 @@ def mean_bias(sample: ShapeSample, shears: Sequence[complex]) -> MeanBias:
     total = norm.sum(axis=0)
     if not np.all(total > 0):
         none = Estimate(float("nan"), float("nan"))
-        return MeanBias((none, none), (none, none), np.full(len(shears), np.nan + 0j), 0)
+        nothing = np.full(len(shears), np.nan + 0j)
+        return MeanBias((none, none), (none, none), nothing, nothing, 0)
     found = sums.sum(axis=0) / total
     influence = (sums - found * norm) / total
     n = len(numbers)
@@ -77,7 +79,8 @@ def mean_bias(sample: ShapeSample, shears: Sequence[complex]) -> MeanBias:
             )
         )
     (m1, c1), (m2, c2) = results
-    return MeanBias((m1, m2), (c1, c2), found, n)
+    errors = [np.sqrt(np.sum(part(influence) ** 2, axis=0)) for part in (np.real, np.imag)]
+    return MeanBias((m1, m2), (c1, c2), found, inflation * (errors[0] + 1j * errors[1]), n)
 
 
 def _spread(influence: Float[Array, " galaxy"], inflation: float) -> float:
