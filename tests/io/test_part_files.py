@@ -49,3 +49,12 @@ def test_a_damaged_part_is_told(tmp_path):
     path.write_bytes(content)
     with pytest.raises(InputError, match=r"first.npz: this part of the computation is damaged"):
         parts.load("first")
+
+
+def test_nothing_is_left_of_a_removal(tmp_path):
+    parts = PartFiles(tmp_path / "parts", {"version": "1"})
+    parts.save("first", {"n": np.ones(1)})
+    parts.remove()
+    parts.save("first", {"n": np.zeros(1)})
+    assert parts.load("first")["n"] == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"parts"}

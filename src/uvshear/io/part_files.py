@@ -13,6 +13,7 @@ import numpy as np
 from uvshear.errors import InputError
 from uvshear.io.outputs import new_file, write_json
 from uvshear.io.records import read_record
+from uvshear.io.unfinished import unfinished_directory
 from uvshear.typing import Array
 
 _ABOUT: Final = "about.json"
@@ -56,10 +57,10 @@ class PartFiles:
     def remove(self) -> None:
         """Remove all parts."""
         if (self.directory / _ABOUT).is_file():
-            # The description goes last, so that a removal that is cut short can be repeated.
-            for path in self.directory.glob(f"*{_ENDING}"):
-                path.unlink()
-            shutil.rmtree(self.directory)
+            # A directory that is half removed must not be taken for something else.
+            with unfinished_directory(self.directory) as private:
+                self.directory.rename(private / "removed")
+                shutil.rmtree(private / "removed", ignore_errors=True)
 
     def __contains__(self, name: str) -> bool:
         return self._path(name).exists()
