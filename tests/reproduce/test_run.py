@@ -42,9 +42,7 @@ def _run(place, **options):
 
 def test_a_page_a_picture_and_the_numbers_are_written(tmp_path, small):
     seen = []
-    page = reproduce_paper(
-        tmp_path / "out", progress=lambda done, total: seen.append((done, total))
-    )
+    page = _run(tmp_path / "out", progress=lambda done, total: seen.append((done, total)))
     assert page == tmp_path / "out" / "index.md"
     assert "psf-images.png" in page.read_text()
     assert (tmp_path / "out" / "psf-images.png").read_bytes().startswith(b"\x89PNG")

@@ -134,6 +134,6 @@ class DensityTarget(PaperTarget):
 
 
 def _bad_percent(sample: ShapeSample) -> Estimate:
-    """Return the percentage of measurements with a flag."""
+    """Return the percentage of fits that have failed."""
     bad = int(np.sum(~sample.is_good))
     return Estimate(100 * bad / len(sample), 100 * max(bad, 1) ** 0.5 / len(sample))

@@ -80,8 +80,8 @@ class ShapeSample:
 
     @property
     def is_good(self) -> Bool[Array, " shape"]:
-        """Mask of the measurements without a flag."""
-        return self.flag == FLAGS.index(FitFlag.OK)
+        """Mask of the successful fits; what they found need not be significant."""
+        return np.isin(self.flag, [number for number, flag in enumerate(FLAGS) if flag.is_fitted])
 
     @property
     def weight(self) -> Float[Array, " shape"]:
@@ -109,7 +109,7 @@ class ShapeSample:
         )
 
     def slopes(self) -> tuple[Slopes, Slopes]:
-        """Return the slopes of e1 and of e2 of the measurements without a flag."""
+        """Return the slopes of e1 and of e2 of the successful fits."""
         good = self.select(self.is_good)
         return (
             fit_slopes(good.true.real, good.measured.real, good.error[:, 0]),
