@@ -80,7 +80,7 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
             "weighting": lambda seed: WeightingTest(seed, PaperPointing(integration=COARSE)),
             "gridded-model": lambda seed: GriddedModel(seed, PaperPointing(integration=COARSE)),
             "averaging": AveragingTest,
-            "shear-bias": lambda seed: ShearBias(seed, PaperPointing(integration=COARSE), 500),
+            "shear-bias": lambda seed: ShearBias(seed, PaperPointing(integration=COARSE), 300, 50),
             "shear-bias-crowded": CrowdedShearBias,
             "c-round": RoundBias,
             "c-zenith": ZenithBias,
