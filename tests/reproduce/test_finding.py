@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from uvshear.diagnostics.slope import fit_slope
-from uvshear.reproduce.finding import Estimate, Quantity
+from uvshear.reproduce.finding import Estimate, Quantity, signed
 
 
 def test_a_pull_is_the_difference_over_its_error():
@@ -22,3 +22,8 @@ def test_the_error_of_a_slope_is_that_of_the_scatter():
     x = np.array([1.0, -1.0, 1.0, -1.0])
     slope = fit_slope(x, x + np.array([0.1, 0.1, -0.1, -0.1]), np.full(4, 0.5))
     assert Estimate.from_slope(slope) == Estimate(slope.value, slope.error)
+
+
+def test_a_signed_number_has_a_minus_sign():
+    assert signed(-0.01234) == "−0.0123"
+    assert signed(0.5, 1) == "+0.5"

@@ -43,6 +43,11 @@ def test_the_same_task_gives_the_same_shapes():
     np.testing.assert_array_equal(one["measured"], two["measured"])
 
 
+def test_the_time_of_a_task_is_that_of_its_fits():
+    task = ShapeTask(small_survey(shears=(0.05j, -0.05j)), 10, 3, OppositePairs())
+    assert task.seconds == pytest.approx(3 * 2 * 4 * task.survey.facets.seconds)
+
+
 def test_slopes_and_weights_leave_out_what_has_a_flag():
     true = np.array([0.3 + 0.1j, -0.2 - 0.3j, 0.1 + 0.2j])
     measured = 0.9 * true

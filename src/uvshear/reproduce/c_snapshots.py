@@ -11,7 +11,7 @@ from uvshear.interferometer.psf_shape import measure_psf
 from uvshear.plot.curves import Curve, CurvePanel, draw_curves
 from uvshear.reproduce.additive_bias import PAIRED, AdditiveBiasTarget, additive_bias
 from uvshear.reproduce.facet_ways import ExactFacetWay
-from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.finding import Estimate, Finding, Quantity, signed
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import ABOUT_TRANSIT, FROM_TRANSIT, PaperPointing
 from uvshear.reproduce.psf_zenith import COARSE_GRID, WEIGHT_SIGMA
@@ -116,7 +116,7 @@ class SnapshotBias(AdditiveBiasTarget):
         remark = (
             f"A line c = κ e through the origin, with e the ellipticity of the PSF, has κ = {leakage.value:.4f} ±"
             f" {leakage.error or 0.0:.4f} for all tracks and both components together. With this κ, the paper's c at"
-            f" SNR ≥ 10 would need a PSF of e1 = {needed[0]:.2f} and e2 = {needed[1]:.2f}."
+            f" SNR ≥ 10 would need a PSF of e1 = {signed(needed[0], 2)} and e2 = {signed(needed[1], 2)}."
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, (PAIRED, remark))
 

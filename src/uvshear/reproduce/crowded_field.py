@@ -65,6 +65,11 @@ class CrowdedField:
     shears: tuple[complex, ...] = (0j,)
     shear: int = 0
 
+    @property
+    def seconds(self) -> float:
+        """Estimated processor time [s], for half a million samples."""
+        return self.galaxies * (0.4 if self.extraction == "paper" else 0.1)
+
     def measured(self) -> dict[str, Array]:
         """Return the columns of a ``ShapeSample`` for all galaxies."""
         rng = np.random.default_rng(self.seed)

@@ -1,7 +1,7 @@
 """Target ``facet-size``: slopes with the facets of Table 1, and the numbers of cells that a slope of 0.97 takes."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -14,7 +14,7 @@ from uvshear.interferometer.weighting import Uniform, Weighting
 from uvshear.plot.curves import Curve, CurvePanel, draw_curves
 from uvshear.reproduce.cell_counts import CellCount, FixedCount
 from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay, FacetWay
-from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.finding import Estimate, Finding, Quantity, signed
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import BASELINE, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
@@ -166,7 +166,7 @@ class FacetSize(PaperTarget):
             tuple(quantities),
             draw_curves(panels),
             self._caption(),
-            self._remarks(),
+            (*self._remarks(), _largest_difference(quantities)),
             {f"cells, {name}": cells for name, cells in searched.items()}
             | {"slopes without noise": without_noise},
         )
@@ -254,6 +254,22 @@ class FacetSize(PaperTarget):
             f" {self.searched} galaxies without noise; a number is given where the slope crosses 0.97 between"
             f" {self.fractions[0]:g} and {self.fractions[-1]:g} times the cells of Table 1.",
         )
+
+
+def _largest_difference(quantities: Sequence[Quantity]) -> str:
+    """Say how far the slopes in the paper's way are from those of the table."""
+    pairs = [
+        (row.as_paper.value - row.paper.value, row)
+        for row in quantities
+        if row.name.startswith("slope") and row.as_paper is not None and row.paper is not None
+    ]
+    mean = sum(difference for difference, _ in pairs) / len(pairs)
+    largest, row = max(pairs, key=lambda pair: abs(pair[0]))
+    beyond = sum(abs(pull) > 2 for _, each in pairs if (pull := each.pull) is not None)
+    return (
+        f"Of the {len(pairs)} slopes {beyond} differ from Table 1 by more than two errors. The mean difference is"
+        f" {signed(mean)}, and the largest {signed(largest)} ({row.name})."
+    )
 
 
 def _curve_of(

@@ -26,6 +26,11 @@ class Estimate:
         return cls(slope.value, slope.error)
 
 
+def signed(value: float, decimals: int = 4) -> str:
+    """Return a number with its sign, as it is written in a text."""
+    return f"{value:+.{decimals}f}".replace("-", "−")
+
+
 @dataclass(frozen=True)
 class Quantity:
     """A quantity as the paper has it and as it is found here.

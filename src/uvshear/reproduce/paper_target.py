@@ -3,10 +3,20 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from uvshear.reproduce.finding import Finding
 from uvshear.typing import Array
+
+
+@runtime_checkable
+class HasDuration(Protocol):
+    """A task that knows about how long it takes."""
+
+    @property
+    def seconds(self) -> float:
+        """Estimated processor time [s]."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -48,6 +58,11 @@ class PaperTarget(ABC):
     @abstractmethod
     def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
         """Return the result that follows from all parts, given by their names."""
+
+    def seconds(self) -> float:
+        """Estimate the processor time of all parts, for reports of the progress [s]."""
+        tasks = self.tasks().values()
+        return sum(task.seconds if isinstance(task, HasDuration) else 1.0 for task in tasks)
 
     def settings(self) -> dict[str, str]:
         """Return the fields that determine the result, as text."""

@@ -79,7 +79,10 @@ def reproduce_paper(
     _check_place(place, stores, overwrite=overwrite)
     made = provenance or Provenance("uvshear.reproduce_paper", (), {"scale": scale, "seed": seed})
     meter = Meter(progress)
-    stages = [Stage(target.name, 1.0, float(len(target.tasks())), "parts") for target in chosen]
+    stages = [
+        Stage(target.name, target.seconds(), float(len(target.tasks())), "parts")
+        for target in chosen
+    ]
     for k, (target, store) in enumerate(zip(chosen, stores, strict=True)):
         meter.begin(*stages[k:])
         found = _compute(target, store, resources or Resources(), meter)

@@ -39,6 +39,12 @@ class ShapeTask:
     number: int
     repeats: Repeats = AsDrawn()  # noqa: RUF009 - frozen
 
+    @property
+    def seconds(self) -> float:
+        """Estimated processor time [s]."""
+        fits = self.number * len(self.survey.shears) * len(self.repeats.realisations())
+        return fits * self.survey.facets.seconds
+
 
 @dataclass(frozen=True)
 class ShapeSample:
