@@ -76,6 +76,10 @@ TASKS = {
         shape = uvshear.measure_psf(psf, grid.pixel, 10 * grid.pixel)
         lobe = uvshear.fit_main_lobe(psf, grid.pixel)
     """,
+    "reproduce": """
+        page = uvshear.reproduce_paper("reproduced", ["psf-images"], scale="quick")
+        print(page.read_text())
+    """,
 }
 """The work of each command but ``demo``, which runs the others."""
 
@@ -132,6 +136,7 @@ def test_the_work_of_a_command_is_a_few_lines_of_python(
         "shear": {f"{name}.json" for name in ("mean", "moments", "bayesian", "metacal")},
         "bias": {"BIAS.json"},
         "measure": {"SHAPES.fits", "SHAPES.stats.fits", "SHAPES.sky.fits"},
+        "reproduce": {"reproduced"},
     }
     assert made == expected.get(task, set())
 

@@ -42,6 +42,8 @@ Shear
 Bias
     ``estimate_bias`` measures the ``Bias`` of an estimator on simulated galaxies of a ``Survey``; ``estimate_shear``
     can remove it from a shear. ``write_bias`` and ``read_bias`` write and read its file.
+The paper
+    ``reproduce_paper`` reproduces tables and figures of Rivi & Miller 2018, and compares them with the paper.
 Simulate
     ``simulate`` simulates an observation of the sources of a catalogue according to an ``ObservingPlan``
     (``known_layouts``, ``load_layout``, ``Track``, ``Channels``), with noise from ``GalaxyNoise``, ``StokesINoise``,
@@ -167,6 +169,7 @@ if TYPE_CHECKING:
     from uvshear.pipeline.shear import estimate_shear
     from uvshear.pipeline.simulate import simulate
     from uvshear.progress import Course, Observer, Stage
+    from uvshear.reproduce.run import reproduce_paper
     from uvshear.shapes.measurement import FitFlag
     from uvshear.shapes.source_facet import Column, SourceFacet
     from uvshear.simulation.lensing import shear_at_fixed_scale_length, shear_galaxies
@@ -219,6 +222,7 @@ _HOMES = {
     "pipeline.shear": "estimate_shear",
     "pipeline.simulate": "simulate",
     "progress": "Course Observer Stage",
+    "reproduce.run": "reproduce_paper",
     "shapes.measurement": "FitFlag",
     "shapes.source_facet": "Column SourceFacet",
     "simulation.lensing": "shear_at_fixed_scale_length shear_galaxies",
@@ -328,6 +332,7 @@ __all__ = [
     "read_catalogue",
     "read_measurement",
     "read_population",
+    "reproduce_paper",
     "scaled_to_its_noise",
     "shear_at_fixed_scale_length",
     "shear_galaxies",

@@ -16,7 +16,7 @@ from uvshear.cli import application
 from uvshear.errors import InputError
 
 COMMANDS = tuple(typer.main.get_command(application.app).commands)
-GROUPED = ("simulate", "info", "average", "measure", "shear", "bias", "psf")
+GROUPED = ("simulate", "info", "average", "measure", "shear", "bias", "psf", "reproduce")
 GROUPS = [
     *("Arguments", "Data", "Simulated sky", "Array and track", "Noise"),
     *("Model", "Method", "Output", "Resources", "Options"),

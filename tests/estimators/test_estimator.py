@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from tests.estimators.facets import in_other_unit, source_facet
-from uvshear.bias.isolated import MockGalaxy
 from uvshear.estimators.bayesian import Bayesian
 from uvshear.estimators.estimate import sky_terms
 from uvshear.estimators.estimator import Estimator, observe
@@ -48,7 +47,7 @@ def _measured(estimator, source):
 def test_a_measured_sample_and_a_simulated_one_have_the_same_terms(estimator):
     """The object is one, and so are its numbers; likelihoods on file are rounded."""
     source = source_facet()
-    simulated = Sample.from_rows([observe(estimator, MockGalaxy(0, 0, source).source)])
+    simulated = Sample.from_rows([observe(estimator, source)])
     measured = _measured(estimator, source)
     ours, theirs = (sky_terms(estimator, sample, 0.01 - 0.02j) for sample in (simulated, measured))
     assert ours.tells.all()

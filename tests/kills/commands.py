@@ -60,6 +60,14 @@ COMMANDS: Mapping[str, Command] = {
         ("out.stats.fits", "out.sky.fits", "out.fits"),
         is_one_set=True,
     ),
+    "reproduce": Command(
+        "reproduce psf-images --threads 1 -o reproduced",
+        (
+            "reproduced/psf-images.png",
+            "reproduced/psf-images.json",
+            "reproduced/index.md",
+        ),
+    ),
     "shear": Command("shear in.fits --estimator moments -o shear.json", ("shear.json",)),
     "bias": Command(
         "bias --estimator mean --galaxies 100 --layout array.txt --hours 1 --integration-s 600 --threads 1"

@@ -8,7 +8,7 @@ import numpy as np
 from astropy.table import Table
 from casacore import tables
 
-PROVENANCE = frozenset({"version", "command", "inputs", "date", "run", "seed"})
+PROVENANCE = frozenset({"version", "command", "inputs", "date", "run", "seed", "seconds"})
 
 
 def fingerprint(path: Path) -> str:

@@ -9,7 +9,7 @@ from typing import Self
 
 import numpy as np
 
-from uvshear.bias.mock_facets import FacetNoise, FacetSimulator
+from uvshear.bias.mock_facets import FacetBeam, FacetNoise, FacetSimulator
 from uvshear.constants import REFERENCE_FREQUENCY, SPEED_OF_LIGHT
 from uvshear.extraction.paper.cell_average import ScaleLengths
 from uvshear.extraction.paper.facets import INFORMATIVE
@@ -98,7 +98,7 @@ class CellAverageSimulator(FacetSimulator):
 
 
 @dataclass(frozen=True)
-class CellAverageBeam:
+class CellAverageBeam(FacetBeam):
     """All samples of an observation, for cell-average facets of any size.
 
     Parameters

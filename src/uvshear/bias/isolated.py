@@ -7,9 +7,8 @@ from typing import TypeAlias
 
 import numpy as np
 
-from uvshear.bias.cell_average import CellAverageBeam
 from uvshear.bias.fit import TermSums, fit_bias, shears_from_sums
-from uvshear.bias.mock_facets import FacetNoise, MockBeam
+from uvshear.bias.mock_facets import FacetBeam, FacetNoise
 from uvshear.bias.realisations import OPPOSITE, TURNED, Realisation
 from uvshear.errors import InputError
 from uvshear.estimators import Bias, Estimator, Sample
@@ -87,7 +86,7 @@ class Experiment:
         Seed of galaxies and noise.
     """
 
-    beam: MockBeam | CellAverageBeam
+    beam: FacetBeam
     shears: tuple[complex, ...]
     population: Population = field(default_factory=Population)
     profile: Profile = field(default_factory=Exponential)
@@ -141,11 +140,14 @@ class MockGalaxy:
         Index of the shear among those of the experiment.
     source
         Facet of the galaxy, as it is passed to an estimator.
+    true
+        The galaxy behind the shear.
     """
 
     number: int
     shear: int
     source: SourceFacet
+    true: GalaxyFit
 
 
 def estimate_isolated_bias(
@@ -345,7 +347,7 @@ def mock_galaxies(
                     population=experiment.weights_population,
                     draw_noise=_given(altered(simulator, more)),
                 )
-                yield MockGalaxy(k, column, source)
+                yield MockGalaxy(k, column, source, galaxy)
 
 
 def _given(noise: FacetNoise) -> Callable[[int], Complex[Array, " cell"]]:

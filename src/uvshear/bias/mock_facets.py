@@ -5,6 +5,7 @@ power. The sum over visibilities would have the same distribution.
 """
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Self
@@ -92,8 +93,16 @@ class FacetSimulator:
         return math.sqrt(float(np.sum(self.power * np.abs(model) ** 2)))
 
 
+class FacetBeam(ABC):
+    """Beam of an observation towards its phase centre, from which the facets of galaxies of any size are drawn."""
+
+    @abstractmethod
+    def simulator(self, log_median: float, sigma: float) -> FacetSimulator:
+        """Return the simulator for galaxies whose ln(scale length / rad) has this mean and standard deviation."""
+
+
 @dataclass(frozen=True)
-class MockBeam:
+class MockBeam(FacetBeam):
     """Dirty beam of an observation towards its phase centre, for facets of any size.
 
     Parameters

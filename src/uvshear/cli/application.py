@@ -18,7 +18,19 @@ from typing import Annotated, Final
 import typer
 
 from uvshear import __version__
-from uvshear.cli import average, bias, catalogue, demo, info, layouts, measure, psf, shear, simulate
+from uvshear.cli import (
+    average,
+    bias,
+    catalogue,
+    demo,
+    info,
+    layouts,
+    measure,
+    psf,
+    reproduce,
+    shear,
+    simulate,
+)
 from uvshear.cli.signals import EndRequest, ending_signals
 from uvshear.cli.standard_streams import (
     StandardStream,
@@ -57,7 +69,10 @@ app = typer.Typer(
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
-for module in (layouts, catalogue, simulate, info, average, measure, shear, bias, psf, demo):
+for module in (
+    *(layouts, catalogue, simulate, info, average, measure, shear, bias, psf),
+    *(reproduce, demo),
+):
     module.register(app)
 
 

@@ -1,0 +1,112 @@
+"""Panels of points with error bars, measured here or printed in a paper, against one quantity."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
+from uvshear.plot.figure import new_figure
+
+COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
+"""Colours of Okabe and Ito, which colour-blind readers can tell apart."""
+
+MARKERS: Final = "osD^vP"
+PAPER_COLOUR: Final = "0.25"
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Points of one kind.
+
+    Parameters
+    ----------
+    label
+        Entry in the legend.
+    x, y
+        Positions of the points.
+    error, x_error
+        Standard errors of y and of x; None where they are negligible.
+    is_published
+        Whether the points are printed in the paper: these are black crosses.
+    is_line
+        Whether the points are joined by a line.
+    """
+
+    label: str
+    x: Sequence[float]
+    y: Sequence[float]
+    error: Sequence[float] | None = None
+    x_error: Sequence[float] | None = None
+    is_published: bool = False
+    is_line: bool = True
+
+
+@dataclass(frozen=True)
+class CurvePanel:
+    """One panel.
+
+    Parameters
+    ----------
+    x_label, y_label
+        Names of the axes, with units.
+    curves
+        Points to be drawn.
+    title
+        Title of the panel.
+    levels
+        Heights of horizontal lines.
+    is_log
+        Whether the axis of x is logarithmic.
+    """
+
+    x_label: str
+    y_label: str
+    curves: tuple[Curve, ...]
+    title: str = ""
+    levels: tuple[float, ...] = ()
+    is_log: bool = False
+
+
+def draw_curves(panels: Sequence[CurvePanel]) -> Figure:
+    """Draw panels side by side."""
+    figure, axes = new_figure(len(panels), 5.0 * len(panels), 4.2)
+    for ax, panel in zip(axes, panels, strict=True):
+        _draw_panel(ax, panel)
+    return figure
+
+
+def _draw_panel(ax: Axes, panel: CurvePanel) -> None:
+    for level in panel.levels:
+        ax.axhline(level, color="0.6", lw=0.8, ls=":")
+    number = 0
+    for curve in panel.curves:
+        if curve.is_published:
+            colour, marker = PAPER_COLOUR, "x"
+        else:
+            colour, marker = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
+            number += 1
+        ax.errorbar(
+            list(curve.x),
+            list(curve.y),
+            None if curve.error is None else list(curve.error),
+            None if curve.x_error is None else list(curve.x_error),
+            fmt=marker,
+            ms=7 if curve.is_published else 5,
+            mew=1.6 if curve.is_published else 0.8,
+            ls=("--" if curve.is_published else "-") if curve.is_line else "none",
+            lw=1.0,
+            capsize=2.5,
+            color=colour,
+            label=curve.label,
+        )
+    ax.set(xlabel=panel.x_label, ylabel=panel.y_label, title=panel.title)
+    if panel.is_log:
+        ax.set_xscale("log")
+        ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        ax.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+        ax.xaxis.set_minor_formatter(NullFormatter())
+    if any(curve.label for curve in panel.curves):
+        ax.legend(frameon=False, fontsize="small")

@@ -1,0 +1,134 @@
+"""Target ``c-snapshots``: the same integration time spread over other hour angles (section 6)."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.diagnostics.psf import point_spread_function
+from uvshear.imaging import ImageGrid
+from uvshear.interferometer.psf_shape import measure_psf
+from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+from uvshear.reproduce.additive_bias import PAIRED, AdditiveBiasTarget, additive_bias
+from uvshear.reproduce.facet_ways import ExactFacetWay
+from uvshear.reproduce.finding import Estimate, Finding, Quantity, signed
+from uvshear.reproduce.mock_survey import MockSurvey
+from uvshear.reproduce.paper_pointing import ABOUT_TRANSIT, FROM_TRANSIT, PaperPointing
+from uvshear.reproduce.psf_zenith import COARSE_GRID, WEIGHT_SIGMA
+from uvshear.reproduce.published_figures import PublishedFigures
+from uvshear.typing import Array
+
+HOUR = 3600.0
+
+
+def _snapshots(number: int, length: float, span: float) -> tuple[tuple[float, float], ...]:
+    """Return equally spaced ranges of one length that fill a span about transit, all in hours."""
+    step = (span - length) / (number - 1)
+    starts = [-span / 2 + k * step for k in range(number)]
+    return tuple((start * HOUR, (start + length) * HOUR) for start in starts)
+
+
+TRACKS = {
+    "8h": ABOUT_TRANSIT,
+    "later": FROM_TRANSIT,
+    "4x2h": _snapshots(4, 2.0, 12.0),
+    "8x1h": _snapshots(8, 1.0, 12.0),
+    "16x30m": _snapshots(16, 0.5, 12.0),
+}
+"""Ranges of clock time from transit [s]; each adds up to eight hours."""
+
+WORDS = {
+    "8h": "8 h about transit",
+    "later": "8 h from transit on",
+    "4x2h": "4 x 2 h within 12 h",
+    "8x1h": "8 x 1 h within 12 h",
+    "16x30m": "16 x 30 min within 12 h",
+}
+
+
+@dataclass(frozen=True)
+class SnapshotBias(AdditiveBiasTarget):
+    """Ellipticity of the PSF and additive bias of tracks that add up to eight hours, at declination -30 deg.
+
+    Parameters
+    ----------
+    grid
+        Pixels of the image of the PSF.
+    """
+
+    name = "c-snapshots"
+    title = "Additive bias of snapshots spread over hour angles"
+
+    grid: ImageGrid = COARSE_GRID
+
+    def cases(self) -> Mapping[str, MockSurvey]:
+        """Return a survey for each track."""
+        return {
+            name: MockSurvey(ExactFacetWay(), self._pointing(name), seed=self.seed)
+            for name in TRACKS
+        }
+
+    def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
+        """Compare the ellipticity of the PSF and c of all tracks."""
+        printed = PublishedFigures.read(self.name)
+        quantities = []
+        points: list[tuple[complex, tuple[Estimate, Estimate]]] = []
+        for name, words in WORDS.items():
+            image = point_spread_function(self._pointing(name).unit_visibilities(), self.grid)
+            psf = measure_psf(image, self.grid.pixel, WEIGHT_SIGMA).ellipticity
+            bias = additive_bias(found, name)
+            points.append((psf, bias))
+            for part, e in enumerate((psf.real, psf.imag)):
+                quantities.append(Quantity(f"e{part + 1} of the PSF, {words}", own=Estimate(e)))
+            for part in (0, 1):
+                is_printed = name == "8h"
+                quantities.append(
+                    Quantity(
+                        f"c{part + 1}, SNR ≥ 10, {words}",
+                        printed.estimate(f"c{part + 1}_snr10") if is_printed else None,
+                        None,
+                        bias[part],
+                    )
+                )
+        panels = [
+            CurvePanel(
+                f"$e_{part + 1}$ of the PSF",
+                f"additive bias $c_{part + 1}$",
+                tuple(
+                    Curve(
+                        words,
+                        [(psf.real, psf.imag)[part]],
+                        [bias[part].value],
+                        [bias[part].error or 0.0],
+                    )
+                    for words, (psf, bias) in zip(WORDS.values(), points, strict=True)
+                ),
+                levels=(0.0,),
+            )
+            for part in (0, 1)
+        ]
+        caption = (
+            "Additive bias of the mean of isolated galaxies with an SNR of 10 or more against the ellipticity of the"
+            " PSF, for tracks that add up to eight hours at declination −30 deg; exact facets."
+        )
+        leakage = _leakage(points)
+        needed = [printed.estimate(f"c{part}_snr10").value / leakage.value for part in (1, 2)]
+        remark = (
+            f"A line c = κ e through the origin, with e the ellipticity of the PSF, has κ = {leakage.value:.4f} ±"
+            f" {leakage.error or 0.0:.4f} for all tracks and both components together. With this κ, the paper's c at"
+            f" SNR ≥ 10 would need a PSF of e1 = {signed(needed[0], 2)} and e2 = {signed(needed[1], 2)}."
+        )
+        return Finding(tuple(quantities), draw_curves(panels), caption, (PAIRED, remark))
+
+    def _pointing(self, name: str) -> PaperPointing:
+        return PaperPointing(integration=self.integration, times=TRACKS[name])
+
+
+def _leakage(points: Sequence[tuple[complex, tuple[Estimate, Estimate]]]) -> Estimate:
+    """Return the slope of c against the ellipticity of the PSF, from both components together."""
+    e = np.array([part for psf, _ in points for part in (psf.real, psf.imag)])
+    c = np.array([estimate.value for _, both in points for estimate in both])
+    error = np.array([estimate.error for _, both in points for estimate in both], float)
+    weight = error**-2
+    norm = float(np.sum(weight * e**2))
+    return Estimate(float(np.sum(weight * e * c)) / norm, norm**-0.5)

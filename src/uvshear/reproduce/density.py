@@ -1,0 +1,139 @@
+"""Target ``density``: slopes against the number density of galaxies (section 4.2)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+from uvshear.reproduce.crowded_field import EXTRACTIONS, CrowdedField
+from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.paper_pointing import PaperPointing
+from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.reproduce.published_figures import PublishedFigures
+from uvshear.reproduce.shape_sample import ShapeSample, sample_named
+from uvshear.typing import Array
+
+PAPER_DENSITY = 2.8
+"""Density at which the paper states its slopes [galaxies per square arcminute]."""
+
+
+@dataclass(frozen=True)
+class DensityTarget(PaperTarget):
+    """Slopes of galaxies that share a field, at several densities.
+
+    Parameters
+    ----------
+    densities
+        Numbers of galaxies per square arcminute.
+    galaxies
+        Number of galaxies in a field.
+    fields
+        Number of fields at each density.
+    integration
+        Length of a sample [s].
+    """
+
+    name = "density"
+    title = "Slopes against the density of galaxies"
+
+    densities: tuple[float, ...] = (0.5, 1.0, 2.0, PAPER_DENSITY, 5.0, 8.0)
+    galaxies: int = 1000
+    fields: int = 10
+    integration: float = 900.0
+
+    def tasks(self) -> Mapping[str, CrowdedField]:
+        """Return the fields, each measured in two ways."""
+        pointing = PaperPointing(integration=self.integration)
+        return {
+            f"{way}-{density:g}-{field}": CrowdedField(
+                way, pointing, self.galaxies, density, 1, 1000 * self.seed + field
+            )
+            for density in self.densities
+            for way in EXTRACTIONS
+            for field in range(self.fields)
+        }
+
+    def measure(self, task: CrowdedField) -> Mapping[str, Array]:
+        """Simulate and measure a field."""
+        return task.measured()
+
+    def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
+        """Compare slopes and bad measurements at each density."""
+        printed = PublishedFigures.read(self.name)
+        quantities: list[Quantity] = []
+        series: dict[str, tuple[list[Estimate], list[Estimate]]] = {
+            way: ([], []) for way in EXTRACTIONS
+        }
+        for density in self.densities:
+            samples = {way: sample_named(found, f"{way}-{density:g}") for way in EXTRACTIONS}
+            slopes = {way: sample.slopes() for way, sample in samples.items()}
+            is_printed = density == PAPER_DENSITY
+            for part in (0, 1):
+                both = {
+                    way: Estimate.from_slope(slopes[way][part].inverse_variance)
+                    for way in EXTRACTIONS
+                }
+                for way, estimate in both.items():
+                    series[way][part].append(estimate)
+                quantities.append(
+                    Quantity(
+                        f"slope of e{part + 1} at {density:g} per arcmin²",
+                        printed.estimate(f"slope_e{part + 1}") if is_printed else None,
+                        both["paper"],
+                        both["converged"],
+                    )
+                )
+            quantities.append(
+                Quantity(
+                    f"bad measurements at {density:g} per arcmin² [%]",
+                    printed.estimate("bad_percent") if is_printed else None,
+                    _bad_percent(samples["paper"]),
+                    _bad_percent(samples["converged"]),
+                )
+            )
+        words = {"paper": "the paper's way", "converged": "converged extraction"}
+        panels = []
+        for part in (0, 1):
+            published = printed.estimate(f"slope_e{part + 1}")
+            curves = [
+                Curve(
+                    "Rivi & Miller 2018",
+                    [PAPER_DENSITY],
+                    [published.value],
+                    [published.error or 0.0],
+                    is_published=True,
+                )
+            ]
+            curves += [
+                Curve(
+                    words[way],
+                    list(self.densities),
+                    [estimate.value for estimate in both[part]],
+                    [estimate.error or 0.0 for estimate in both[part]],
+                )
+                for way, both in series.items()
+            ]
+            panels.append(
+                CurvePanel(
+                    "galaxies per square arcminute",
+                    f"slope of $e_{part + 1}$",
+                    tuple(curves),
+                    levels=(1.0,),
+                )
+            )
+        caption = (
+            "Slopes of measured on true ellipticity, with weights 1/s² (s: error), of galaxies that share a field,"
+            " against their number density."
+        )
+        remarks = (
+            f"Each density has {self.fields} fields of {self.galaxies} galaxies, in samples of {self.integration:g} s,"
+            " whose noise gives a galaxy of 10 µJy a signal-to-noise ratio of 10.",
+        )
+        return Finding(tuple(quantities), draw_curves(panels), caption, remarks)
+
+
+def _bad_percent(sample: ShapeSample) -> Estimate:
+    """Return the percentage of fits that have failed."""
+    bad = int(np.sum(~sample.is_good))
+    return Estimate(100 * bad / len(sample), 100 * max(bad, 1) ** 0.5 / len(sample))

@@ -1,0 +1,166 @@
+"""Target ``facet-residuals``: residuals of ellipticities with facets of fixed and of variable size (section 4.1)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+from uvshear.reproduce.cell_counts import FixedCount, TableCount
+from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay
+from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.mock_survey import MockSurvey
+from uvshear.reproduce.paper_pointing import BASELINE, PaperPointing
+from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.reproduce.published_figures import PublishedFigures
+from uvshear.reproduce.shape_sample import (
+    FLAGS,
+    ShapeSample,
+    ShapeTask,
+    measure_shapes,
+    sample_named,
+    shape_tasks,
+)
+from uvshear.shapes.measurement import FitFlag
+from uvshear.typing import Array
+
+WAYS = {
+    "fixed": CellFacets(FixedCount(600)),
+    "variable": CellFacets(TableCount()),
+    "exact": ExactFacetWay(),
+}
+"""Ways to make the facets of the same galaxies."""
+
+WORDS = {
+    "fixed": "facets of 600² cells",
+    "variable": "facets of Table 1",
+    "exact": "exact facets",
+}
+
+EDGES = np.linspace(-0.8, 0.8, 9)
+"""Edges of the bins of the true ellipticity."""
+
+BLOCK = 50
+"""Number of galaxies in a part."""
+
+
+@dataclass(frozen=True)
+class FacetResiduals(PaperTarget):
+    """Residuals of the ellipticities of isolated galaxies of all fluxes.
+
+    Parameters
+    ----------
+    pointing
+        The observation.
+    galaxies
+        Number of galaxies.
+    """
+
+    name = "facet-residuals"
+    title = "Residuals with facets of fixed and of variable size"
+
+    pointing: PaperPointing = BASELINE
+    galaxies: int = 1000
+
+    def tasks(self) -> Mapping[str, ShapeTask]:
+        """Return blocks of galaxies for each kind of facet."""
+        found: dict[str, ShapeTask] = {}
+        for name, way in WAYS.items():
+            survey = MockSurvey(way, self.pointing, seed=self.seed)
+            found |= shape_tasks(name, survey, self.galaxies, BLOCK)
+        return found
+
+    def measure(self, task: ShapeTask) -> Mapping[str, Array]:
+        """Measure the shapes of a block of galaxies."""
+        return measure_shapes(task)
+
+    def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
+        """Compare slopes, bad measurements and residuals."""
+        printed = PublishedFigures.read(self.name)
+        samples = {name: sample_named(found, name) for name in WAYS}
+        exact = samples["exact"].slopes()
+        quantities = []
+        for name in ("fixed", "variable"):
+            slopes = samples[name].slopes()
+            for part in (0, 1):
+                quantities.append(
+                    Quantity(
+                        f"slope of e{part + 1}, {WORDS[name]}",
+                        printed.estimate(f"slope_{name}_e{part + 1}"),
+                        Estimate.from_slope(slopes[part].inverse_variance),
+                        Estimate.from_slope(exact[part].inverse_variance),
+                    )
+                )
+        for name in ("fixed", "variable"):
+            quantities.append(
+                Quantity(
+                    f"bad measurements of 1000, {WORDS[name]}",
+                    printed.estimate(f"bad_{name}"),
+                    self._bad(samples[name]),
+                    self._bad(samples["exact"]),
+                )
+            )
+        formal = samples["variable"].slopes()[0].inverse_variance.formal_error
+        quantities.append(
+            Quantity(
+                "formal error of the slope of e1 for 1000 galaxies, facets of Table 1",
+                Estimate(printed.estimate("slope_variable_e1").error or 0.0),
+                Estimate(formal * (self.galaxies / 1000) ** 0.5),
+            )
+        )
+        panels = [
+            CurvePanel(
+                "true $e_1$",
+                "mean of measured - true $e_1$",
+                tuple(_residuals(samples[way], WORDS[way]) for way in (name, "exact")),
+                title,
+                levels=(0.0,),
+            )
+            for name, title in (("fixed", "600 x 600"), ("variable", "variable size"))
+        ]
+        caption = (
+            "Means of measured minus true e1 in bins of the true e1, with weights 1/s² (s: error), for isolated"
+            " galaxies of 10 to 200 µJy: with facets of 600² cells (left) and with those of Table 1 (right), each"
+            " beside exact facets."
+        )
+        return Finding(tuple(quantities), draw_curves(panels), caption, self._remarks(samples))
+
+    def _bad(self, sample: ShapeSample) -> Estimate:
+        """Return the number of bad measurements, scaled to 1000 galaxies."""
+        bad = int(np.sum(~sample.is_good))
+        scale = 1000 / len(sample)
+        return Estimate(bad * scale, max(bad, 1) ** 0.5 * scale)
+
+    def _remarks(self, samples: Mapping[str, ShapeSample]) -> tuple[str, ...]:
+        sentences = [
+            f"There are {self.galaxies} galaxies of 10 to 200 µJy at the phase centre, the same for all facets, with"
+            " independent noise."
+        ]
+        for name, sample in samples.items():
+            counts = np.bincount(sample.flag, minlength=len(FLAGS))
+            told = [
+                f"{number} {flag.word}"
+                for flag, number in zip(FLAGS, counts.tolist(), strict=True)
+                if number and flag is not FitFlag.OK
+            ]
+            sentences.append(f"Flags with {WORDS[name]}: {', '.join(told) or 'none'}.")
+        return tuple(sentences)
+
+
+def _residuals(sample: ShapeSample, label: str) -> Curve:
+    """Return weighted means of measured minus true e1 in bins of the true e1."""
+    good = sample.select(sample.is_good)
+    true, difference = good.true.real, (good.measured - good.true).real
+    weight = good.error[:, 0] ** -2
+    place = np.digitize(true, EDGES) - 1
+    x, y, error = [], [], []
+    for k in range(len(EDGES) - 1):
+        inside = place == k
+        if inside.sum() < 2:
+            continue
+        total = float(weight[inside].sum())
+        mean = float((weight * difference)[inside].sum()) / total
+        x.append(float((weight * true)[inside].sum()) / total)
+        y.append(mean)
+        error.append(float(np.sqrt(((weight * (difference - mean))[inside] ** 2).sum())) / total)
+    return Curve(label, x, y, error)

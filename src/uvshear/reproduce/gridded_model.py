@@ -1,0 +1,158 @@
+"""Target ``gridded-model``: the model averaged in cells as the data are, too dear for the paper (section 4.1)."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.bias.isolated import FITTED
+from uvshear.constants import SPEED_OF_LIGHT
+from uvshear.diagnostics.slope import fit_slope
+from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+from uvshear.reproduce.cell_counts import TableCount
+from uvshear.reproduce.cell_models import STEPS, AtPoints, Gridded, fit_cells
+from uvshear.reproduce.facet_ways import ExactFacetWay
+from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.mock_survey import MockSurvey
+from uvshear.reproduce.paper_pointing import BASELINE, PaperPointing
+from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.reproduce.visibility_cells import VisibilityCells
+from uvshear.shapes.measurement import GalaxyFit
+from uvshear.shapes.prior import ShapePrior
+from uvshear.shapes.template import Template
+from uvshear.typing import Array
+
+WAYS = {
+    "centres": "model at the centres of the cells",
+    "means": "model at the mean baselines of the cells",
+    "gridded": "model averaged as the data",
+    "exact": "exact facets",
+}
+"""Models of the same galaxies, and exact facets."""
+
+
+@dataclass(frozen=True)
+class GriddedModel(PaperTarget):
+    """Most likely ellipticities with models of increasing accuracy in the cells of Table 1.
+
+    Parameters
+    ----------
+    pointing
+        The observation.
+    galaxies, block
+        Number of galaxies, and in a part.
+    snr
+        Signal-to-noise ratio of a galaxy of 10 uJy and of median size.
+    """
+
+    name = "gridded-model"
+    title = "The model averaged as the data"
+
+    pointing: PaperPointing = BASELINE
+    galaxies: int = 300
+    block: int = 10
+    snr: float = 100.0
+
+    def tasks(self) -> Mapping[str, tuple[int, int]]:
+        """Return the first galaxy and the number of galaxies of each part."""
+        return {
+            f"galaxies-{first}": (first, min(self.block, self.galaxies - first))
+            for first in range(0, self.galaxies, self.block)
+        }
+
+    def measure(self, task: tuple[int, int]) -> Mapping[str, Array]:
+        """Fit every galaxy with every model: e1, e2, their errors and the processor time [s]."""
+        first, number = task
+        survey = MockSurvey(ExactFacetWay(), self.pointing, snr=self.snr, seed=self.seed)
+        samples = survey.samples()
+        beam = survey.experiment().beam
+        uv = samples.block.uvw[:, :2] * (float(samples.block.frequency[0]) / SPEED_OF_LIGHT)
+        natural = np.asarray(samples.block.weights[:, 0], float)
+        rng = np.random.default_rng([self.seed, first])
+        population = survey.population
+        flux = population.flux.draw(number, rng)
+        size = population.size.prior(flux)
+        scale_length = size.draw(rng)
+        e = population.ellipticity.draw_modulus(number, rng) * np.exp(
+            2j * np.pi * rng.uniform(size=number)
+        )
+        fitted = np.full((number, len(WAYS), 5), np.nan)
+        for k in range(number):
+            galaxy = GalaxyFit(
+                float(flux[k]), np.zeros(2), complex(e[k]), float(scale_length[k]), 0.0
+            )
+            prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
+            noise = rng.standard_normal((2, len(uv)))
+            visibilities = Template(uv, FITTED).model(galaxy).astype(complex)
+            visibilities += (noise[0] + 1j * noise[1]) / np.sqrt(natural)
+            cells = VisibilityCells(
+                uv, natural, TableCount().cells(float(np.exp(size.log_median[k])))
+            )
+            data = cells.total(visibilities) / cells.weight
+            simulator = beam.simulator(prior.log_scale_length, prior.log_scale_length_sigma)
+            facet = simulator.facet(galaxy, FITTED, simulator.draw_noise(rng))
+            inside = facet.power > 0
+            power = facet.power[inside]
+            problems = (
+                (data, cells.weight, AtPoints(cells.centres)),
+                (data, cells.weight, AtPoints(cells.means)),
+                (data, cells.weight, Gridded(cells)),
+                (facet.correlation[inside] / power, power, AtPoints(facet.uv[inside])),
+            )
+            for way, (mean, weight, model) in enumerate(problems):
+                start = time.process_time()
+                fit = fit_cells(mean, weight, model, prior, galaxy)
+                spent = time.process_time() - start
+                e_fit = fit.ellipticity
+                fitted[k, way] = (e_fit.real, e_fit.imag, *fit.error, spent)
+        return {"true": e, "fitted": fitted}
+
+    def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
+        """Compare slopes, errors and times."""
+        true = np.concatenate([part["true"] for part in found.values()])
+        fitted = np.concatenate([part["fitted"] for part in found.values()])
+        exact = fitted[:, list(WAYS).index("exact")]
+        quantities: list[Quantity] = []
+        curves = []
+        for way, (name, words) in enumerate(WAYS.items()):
+            slopes = [
+                fit_slope(
+                    (true.real, true.imag)[part], fitted[:, way, part], fitted[:, way, 2 + part]
+                )
+                for part in (0, 1)
+            ]
+            curves.append(
+                Curve(
+                    words,
+                    [1.0, 2.0],
+                    [slope.value for slope in slopes],
+                    [slope.error for slope in slopes],
+                    is_line=False,
+                )
+            )
+            values = {
+                f"slope of e{part + 1}, {words}": Estimate.from_slope(slopes[part])
+                for part in (0, 1)
+            }
+            values[f"median error over that of exact facets, {words}"] = Estimate(
+                float(np.median(fitted[:, way, 2:4] / exact[:, 2:4]))
+            )
+            values[f"processor time of a fit in {STEPS} steps [s], {words}"] = Estimate(
+                float(np.median(fitted[:, way, 4]))
+            )
+            quantities += [
+                Quantity(row, own=estimate) if name == "exact" else Quantity(row, None, estimate)
+                for row, estimate in values.items()
+            ]
+        panel = CurvePanel("component of e", "slope", tuple(curves), levels=(1.0,))
+        caption = (
+            "Slopes of measured on true ellipticity with the cells of Table 1 and three models, and with exact facets;"
+            " the slope of e1 is at 1 and that of e2 at 2."
+        )
+        remarks = (
+            f"The most likely ellipticities of {len(true)} galaxies of 10 to 200 µJy with a signal-to-noise ratio of"
+            f" {self.snr:g} or more are compared; the fits begin at the true galaxy. The three models share the noise"
+            " of the visibilities.",
+        )
+        return Finding(tuple(quantities), draw_curves([panel]), caption, remarks)

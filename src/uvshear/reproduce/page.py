@@ -1,0 +1,84 @@
+"""The page that shows the numbers and the pictures of the paper beside those that were found."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from uvshear.io.outputs import new_file
+from uvshear.reproduce.finding import Estimate, Quantity
+from uvshear.reproduce.published_figures import PublishedFigures
+from uvshear.reproduce.reproduced_target import ReproducedTarget
+
+INTRODUCTION = """\
+This page compares `uvshear` with Rivi & Miller (2018, MNRAS 476, 2053, "the paper"). It was written by
+`uvshear reproduce`. The column "the paper's way" has numbers that were found with the methods of the paper, as far as
+it describes them; the column "uvshear" has those of exact facets and of the converged extraction. "Pull" is the
+difference between the paper's way and the paper, divided by the error of this difference, where either has an error.
+Ellipticities, and m and c with the indices 1 and 2, are in the (l, m) frame of the phase centre, as in the paper.
+"""
+
+
+def write_page(path: Path, targets: Sequence[ReproducedTarget]) -> None:
+    """Write the page, in place of an earlier one.
+
+    Parameters
+    ----------
+    path
+        File to write.
+    targets
+        What was found, in the order of the sections.
+    """
+    with new_file(path, overwrite=True) as temporary:
+        temporary.write_text(page_of(targets), encoding="utf-8")
+
+
+def page_of(targets: Sequence[ReproducedTarget]) -> str:
+    """Return the page as Markdown."""
+    sections = [_section(target) for target in targets]
+    return "\n".join(["# The paper reproduced\n", INTRODUCTION, *sections])
+
+
+def _section(target: ReproducedTarget) -> str:
+    published = PublishedFigures.read(target.name)
+    lines = [
+        f"## {target.title}\n",
+        f"The paper, {published.where}: {published.claim}\n",
+        f"(`{target.name}`, scale `{target.scale}`, seed {target.seed}, {_duration(target.seconds)} of one core)\n",
+    ]
+    if target.quantities:
+        lines += [_table(target.quantities), ""]
+    lines += [f"![{target.title}]({target.picture})\n", f"*{target.caption}*\n"]
+    if target.remarks:
+        lines.append(" ".join(target.remarks) + "\n")
+    return "\n".join(lines)
+
+
+def _table(quantities: Sequence[Quantity]) -> str:
+    head = ["| quantity | paper | the paper's way | uvshear | pull |", "|---|---|---|---|---|"]
+    rows = [
+        f"| {row.name} | {written(row.paper)} | {written(row.as_paper)} | {written(row.own)} |"
+        f" {'' if row.pull is None else _signed(f'{row.pull:+.1f}')} |"
+        for row in quantities
+    ]
+    return "\n".join([*head, *rows])
+
+
+def written(estimate: Estimate | None) -> str:
+    """Return a number with its error, of which two digits are shown; a number without an error has four digits."""
+    if estimate is None or not math.isfinite(estimate.value):
+        return ""
+    value, error = estimate.value, estimate.error
+    if error is None or not math.isfinite(error) or error <= 0:
+        return _signed(f"{value:.4g}")
+    decimals = max(0, 1 - math.floor(math.log10(error)))
+    return f"{_signed(f'{value:.{decimals}f}')} ± {error:.{decimals}f}"
+
+
+def _signed(text: str) -> str:
+    return text.replace("-", "−") if "e" not in text else text
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 60:
+        return "less than a minute"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"

@@ -1,0 +1,172 @@
+"""Target ``shear-bias``: multiplicative and additive bias of the mean of isolated galaxies (Table 2)."""
+
+import cmath
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.constants import MICROJANSKY
+from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+from uvshear.reproduce.cell_counts import TableCount
+from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay
+from uvshear.reproduce.finding import Finding, Quantity
+from uvshear.reproduce.mock_survey import MockSurvey
+from uvshear.reproduce.paper_pointing import BASELINE, PaperPointing
+from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.reproduce.published_figures import PublishedFigures
+from uvshear.reproduce.repeats import OppositePairs, Ring
+from uvshear.reproduce.shape_sample import (
+    ShapeSample,
+    ShapeTask,
+    measure_shapes,
+    sample_named,
+    shape_tasks,
+)
+from uvshear.reproduce.shear_statistics import MeanBias, mean_bias
+from uvshear.typing import Array
+
+WAYS = {"cells": CellFacets(TableCount()), "exact": ExactFacetWay()}
+
+CUTS = {"10": 10 * MICROJANSKY, "25": 25 * MICROJANSKY}
+"""Smallest flux [Jy] by the smallest signal-to-noise ratio. A galaxy of 10 µJy and of the median size has a ratio of
+10, and the paper's 5810 of about 10⁴ galaxies above a ratio of 25 are those above 25 µJy for its distribution of
+fluxes."""
+
+SHEAR = 0.04
+ORIENTATIONS = 8
+
+SHEARS = tuple(
+    cmath.rect(SHEAR, 2 * math.pi * k / ORIENTATIONS + math.pi / 8) for k in range(ORIENTATIONS)
+)
+"""Shears in the frame of (l, m); the paper does not state the directions."""
+
+
+@dataclass(frozen=True)
+class ShearBias(PaperTarget):
+    """Bias of the mean ellipticity of isolated galaxies behind eight shears.
+
+    Parameters
+    ----------
+    pointing
+        The observation.
+    pairs
+        Number of galaxies that are measured with e and -e, and noise and its negative.
+    rings
+        Number of rings of ten galaxies with one realisation of the noise, as in the paper.
+    block
+        Number of galaxies, or of rings, in a part.
+    """
+
+    name = "shear-bias"
+    title = "Shear bias of isolated galaxies"
+
+    pointing: PaperPointing = BASELINE
+    pairs: int = 1000
+    rings: int = 100
+    block: int = 10
+
+    def tasks(self) -> Mapping[str, ShapeTask]:
+        """Return blocks of galaxies: pairs for both kinds of facets, and rings for the paper's."""
+        found: dict[str, ShapeTask] = {}
+        for name, way in WAYS.items():
+            survey = MockSurvey(way, self.pointing, shears=SHEARS, seed=self.seed)
+            found |= shape_tasks(name, survey, self.pairs, self.block, OppositePairs())
+        survey = MockSurvey(WAYS["cells"], self.pointing, shears=SHEARS, seed=self.seed + 1)
+        return found | dict(shape_tasks("rings", survey, self.rings, self.block, Ring()))
+
+    def measure(self, task: ShapeTask) -> Mapping[str, Array]:
+        """Measure the shapes of a block of galaxies."""
+        return measure_shapes(task)
+
+    def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
+        """Compare m and c with those of Table 2, and say what may make the paper's c."""
+        printed = PublishedFigures.read(self.name)
+        quantities: list[Quantity] = []
+        biases: dict[str, dict[str, MeanBias]] = {}
+        for cut, flux in CUTS.items():
+            biases[cut] = {
+                name: mean_bias(above(sample_named(found, name), flux), SHEARS)
+                for name in (*WAYS, "rings")
+            }
+            for part in (0, 1):
+                for what in ("m", "c"):
+                    as_paper, own = (
+                        getattr(biases[cut][name], what)[part] for name in ("cells", "exact")
+                    )
+                    quantities.append(
+                        Quantity(
+                            f"{what}{part + 1}, SNR ≥ {cut}, single source",
+                            printed.estimate(f"{what}{part + 1}_snr{cut}"),
+                            as_paper,
+                            own,
+                        )
+                    )
+        quantities += self._rows_of_rings(found, printed)
+        words = {"cells": "facets of Table 1", "exact": "exact facets"}
+        panels = [shear_panel(cut, {words[way]: biases[cut][way] for way in WAYS}) for cut in CUTS]
+        caption = (
+            "Mean ellipticities behind eight shears of modulus 0.04: the true shear (crosses), the paper's facets and"
+            " exact facets, for galaxies above a signal-to-noise ratio of 10 (left) and 25 (right)."
+        )
+        return Finding(tuple(quantities), draw_curves(panels), caption, self._remarks())
+
+    def _rows_of_rings(
+        self, found: Mapping[str, Mapping[str, Array]], printed: PublishedFigures
+    ) -> list[Quantity]:
+        """Compare c of one realisation of the noise, and c after a cut by the measured signal-to-noise ratio."""
+        rings = sample_named(found, "rings")
+        cuts = {
+            "rings of ten with one realisation of the noise": rings,
+            "the same, cut by the measured SNR": rings.select(rings.snr >= 10),
+        }
+        rows = []
+        for words, sample in cuts.items():
+            bias = mean_bias(sample, SHEARS)
+            for part in (0, 1):
+                name = f"c{part + 1}"
+                rows.append(
+                    Quantity(
+                        f"{name}, SNR ≥ 10, {words}",
+                        printed.estimate(f"{name}_snr10"),
+                        bias.c[part],
+                    )
+                )
+        return rows
+
+    def _remarks(self) -> tuple[str, ...]:
+        return (
+            f"{self.pairs} galaxies are measured behind each shear with e and −e, and with a realisation of the noise"
+            " and its negative; the errors are those of these pairs, and much smaller than those of as many galaxies"
+            f" in a survey. For the last rows {self.rings} rings of ten galaxies have one realisation of the noise,"
+            " which is the same behind all shears. Shears change ellipticities and leave scale lengths alone, as in the"
+            " paper.",
+        )
+
+
+def above(sample: ShapeSample, flux: float) -> ShapeSample:
+    """Return the galaxies above a flux [Jy]."""
+    return sample.select(sample.flux >= flux)
+
+
+def shear_panel(cut: str, biases: Mapping[str, MeanBias]) -> CurvePanel:
+    """Return a panel of the mean ellipticities of several biases, by their names, beside the input shears."""
+    true = np.array(SHEARS)
+    curves = [
+        Curve(
+            "input shear", true.real.tolist(), true.imag.tolist(), is_published=True, is_line=False
+        )
+    ]
+    curves += [
+        Curve(
+            words,
+            bias.shears.real.tolist(),
+            bias.shears.imag.tolist(),
+            bias.errors.imag.tolist(),
+            bias.errors.real.tolist(),
+            is_line=False,
+        )
+        for words, bias in biases.items()
+    ]
+    return CurvePanel("$g_1$", "$g_2$", tuple(curves), f"SNR ≥ {cut}", levels=(0.0,))

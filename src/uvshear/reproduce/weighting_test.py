@@ -1,0 +1,164 @@
+"""Target ``weighting``: the weighting of the averages in cells, and the shapes that are measured (section 4.1)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from uvshear.bias.isolated import FITTED
+from uvshear.constants import ARCMIN, SPEED_OF_LIGHT
+from uvshear.diagnostics.slope import fit_slope
+from uvshear.interferometer.weighting import Uniform
+from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+from uvshear.reproduce.cell_counts import TableCount
+from uvshear.reproduce.facet_ways import ExactFacetWay
+from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.mock_survey import MockSurvey
+from uvshear.reproduce.paper_pointing import BASELINE, PaperPointing
+from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.reproduce.visibility_cells import VisibilityCells
+from uvshear.shapes.measurement import FitFlag, GalaxyFit
+from uvshear.shapes.prior import ShapePrior
+from uvshear.shapes.shape import measure_shape
+from uvshear.shapes.template import Template
+from uvshear.typing import Array
+
+WAYS = {
+    "natural": "natural averages",
+    "propagated-2": "uniform averages (2'), errors propagated",
+    "propagated-20": "uniform averages (20'), errors propagated",
+    "uniform-2": "uniform weights (2') in place of 1/σ²",
+}
+"""Ways to average and to weigh, by their names; the angle is the inverse of the side of a cell of uniform weights."""
+
+FIELDS = {"2": 2 * ARCMIN, "20": 20 * ARCMIN}
+
+
+@dataclass(frozen=True)
+class WeightingTest(PaperTarget):
+    """Shapes from the same visibilities, averaged with natural and with uniform weights.
+
+    Parameters
+    ----------
+    pointing
+        The observation.
+    galaxies, block
+        Number of galaxies, and in a part.
+    snr
+        Signal-to-noise ratio of a galaxy of 10 uJy and of median size.
+    """
+
+    name = "weighting"
+    title = "Weighting of the averages in cells"
+
+    pointing: PaperPointing = BASELINE
+    galaxies: int = 1000
+    block: int = 25
+    snr: float = 100.0
+
+    def tasks(self) -> Mapping[str, tuple[int, int]]:
+        """Return the first galaxy and the number of galaxies of each part."""
+        return {
+            f"galaxies-{first}": (first, min(self.block, self.galaxies - first))
+            for first in range(0, self.galaxies, self.block)
+        }
+
+    def measure(self, task: tuple[int, int]) -> Mapping[str, Array]:
+        """Measure every galaxy in every way: e1, e2, their errors, and whether the fit is good."""
+        first, number = task
+        survey = MockSurvey(ExactFacetWay(), self.pointing, snr=self.snr, seed=self.seed)
+        samples = survey.samples()
+        uv = samples.block.uvw[:, :2] * (float(samples.block.frequency[0]) / SPEED_OF_LIGHT)
+        natural = np.asarray(samples.block.weights[:, 0], float)
+        factors, scales = {}, {}
+        for name, field in FIELDS.items():
+            weighed = MockSurvey(
+                ExactFacetWay(), self.pointing, (Uniform(field),), snr=self.snr
+            ).samples()
+            factors[name], scales[name] = weighed.factors[:, 0], weighed.scale
+        rng = np.random.default_rng([self.seed, first])
+        population = survey.population
+        flux = population.flux.draw(number, rng)
+        size = population.size.prior(flux)
+        scale_length = size.draw(rng)
+        e = population.ellipticity.draw_modulus(number, rng) * np.exp(
+            2j * np.pi * rng.uniform(size=number)
+        )
+        measured = np.full((number, len(WAYS), 5), np.nan)
+        for k in range(number):
+            galaxy = GalaxyFit(
+                float(flux[k]), np.zeros(2), complex(e[k]), float(scale_length[k]), 0.0
+            )
+            noise = rng.standard_normal((2, len(uv)))
+            visibilities = Template(uv, FITTED).model(galaxy).astype(complex)
+            visibilities += (noise[0] + 1j * noise[1]) / np.sqrt(natural)
+            cells = VisibilityCells(
+                uv, natural, TableCount().cells(float(np.exp(size.log_median[k])))
+            )
+            facets = (
+                cells.natural_facet(visibilities),
+                cells.propagated_facet(visibilities, factors["2"]),
+                cells.propagated_facet(visibilities, factors["20"]),
+                cells.weighted_facet(visibilities, factors["2"], scales["2"]),
+            )
+            prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
+            for way, facet in enumerate(facets):
+                shape = measure_shape(facet, prior, FITTED)
+                error = np.sqrt(np.diag(shape.covariance))
+                measured[k, way] = (*shape.ellipticity, *error, shape.flag is FitFlag.OK)
+        return {"true": e, "measured": measured}
+
+    def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
+        """Compare slopes, errors and single shapes."""
+        true = np.concatenate([part["true"] for part in found.values()])
+        measured = np.concatenate([part["measured"] for part in found.values()])
+        good = np.all(measured[:, :, 4] == 1, axis=1)
+        true, measured = true[good], measured[good]
+        natural = measured[:, 0]
+        quantities: list[Quantity] = []
+        curves = []
+        for way, words in enumerate(WAYS.values()):
+            slopes = [
+                fit_slope(
+                    (true.real, true.imag)[part], measured[:, way, part], measured[:, way, 2 + part]
+                )
+                for part in (0, 1)
+            ]
+            curves.append(
+                Curve(
+                    words,
+                    [1.0, 2.0],
+                    [slope.value for slope in slopes],
+                    [slope.error for slope in slopes],
+                    is_line=False,
+                )
+            )
+            quantities += [
+                Quantity(f"slope of e{part + 1}, {words}", None, Estimate.from_slope(slopes[part]))
+                for part in (0, 1)
+            ]
+            if way > 0:
+                change = (measured[:, way, :2] - natural[:, :2]) / natural[:, 2:4]
+                ratio = measured[:, way, 2:4] / natural[:, 2:4]
+                quantities += [
+                    Quantity(
+                        f"rms change of e over its natural error, {words}",
+                        None,
+                        Estimate(float(np.sqrt(np.mean(change**2)))),
+                    ),
+                    Quantity(
+                        f"median error over the natural error, {words}",
+                        None,
+                        Estimate(float(np.median(ratio))),
+                    ),
+                ]
+        panel = CurvePanel("component of e", "slope", tuple(curves), levels=(1.0,))
+        caption = (
+            "Slopes of measured on true ellipticity from the same visibilities, averaged in the cells of Table 1 with"
+            " natural and with uniform weights; the slope of e1 is at 1 and that of e2 at 2."
+        )
+        remarks = (
+            f"{len(true)} galaxies of 10 to 200 µJy with a signal-to-noise ratio of {self.snr:g} or more are at the"
+            " phase centre. All ways share the noise of the visibilities.",
+        )
+        return Finding(tuple(quantities), draw_curves([panel]), caption, remarks)

@@ -1,0 +1,32 @@
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from tests.plot.pictures import check_picture
+from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+
+
+def _figure() -> Figure:
+    ours = Curve("ours", [1.0, 10.0], [0.9, 1.0], [0.1, 0.1])
+    more = Curve("more", [1.0, 10.0], [0.8, 0.9])
+    paper = Curve("the paper", [1.0], [0.95], [0.01], is_published=True, is_line=False)
+    panels = [
+        CurvePanel("flux", "slope", (ours, more, paper), "first", levels=(1.0,), is_log=True),
+        CurvePanel("flux", "slope", (ours,), "second"),
+    ]
+    return draw_curves(panels)
+
+
+def test_it_is_a_picture(tmp_path: Path) -> None:
+    check_picture(_figure(), tmp_path)
+
+
+def test_curves_differ_in_colour_and_marker_and_the_paper_is_a_cross() -> None:
+    first, second = _figure().axes
+    assert first.get_xscale() == "log"
+    assert second.get_xscale() == "linear"
+    lines = {bars.get_label(): bars.lines[0] for bars in first.containers}
+    assert lines["ours"].get_color() != lines["more"].get_color()
+    assert lines["ours"].get_marker() != lines["more"].get_marker()
+    assert lines["the paper"].get_marker() == "x"
+    assert lines["the paper"].get_linestyle() == "None"

@@ -1,0 +1,25 @@
+import numpy as np
+
+from tests.reproduce.surveys import small_survey
+from uvshear.constants import ARCSEC
+from uvshear.reproduce.cell_counts import FixedCount
+from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay, smallest_scale_length
+
+
+def test_both_ways_have_the_same_total_weight_near_the_origin():
+    """A large galaxy sees only short baselines, whose weights are the same in cells and in images."""
+    samples = small_survey().samples()
+    exact = ExactFacetWay().beam(samples, ARCSEC)
+    cells = CellFacets(FixedCount(600)).beam(samples, ARCSEC)
+    log_median = float(np.log(2 * ARCSEC))
+    powers = [beam.simulator(log_median, 0.3).power.sum() for beam in (exact, cells)]
+    assert powers[0] == np.float64(powers[1]).item() or abs(powers[0] / powers[1] - 1) < 0.05
+
+
+def test_samples_are_in_the_order_of_their_baselines():
+    beam = CellFacets(FixedCount(100)).beam(small_survey().samples(), ARCSEC)
+    assert np.all(np.diff(np.hypot(*beam.uv.T)) >= 0)
+
+
+def test_the_smallest_galaxies_are_two_deviations_below_the_median():
+    assert smallest_scale_length(0.0, 0.5) == np.exp(-1.0)

@@ -1,0 +1,23 @@
+import numpy as np
+import pytest
+
+from tests.reproduce.small_targets import check_finding, finding_of
+from uvshear.reproduce.shear_bias import SHEAR, SHEARS
+
+
+def test_eight_shears_of_one_modulus_add_up_to_zero():
+    assert len(SHEARS) == 8
+    assert np.abs(SHEARS) == pytest.approx(np.full(8, SHEAR))
+    assert abs(sum(SHEARS)) < 1e-12
+
+
+def test_all_rows_of_single_sources_of_table_2_are_there():
+    finding = finding_of("shear-bias")
+    check_finding(finding, panels=2)
+    rows = {row.name: row for row in finding.quantities}
+    row = rows["m1, SNR ≥ 10, single source"]
+    assert (row.paper.value, row.paper.error) == (-0.0904, 0.0186)
+    assert row.as_paper.error > 0
+    assert row.own.error > 0
+    assert rows["c2, SNR ≥ 25, single source"].paper.value == -0.0007
+    assert sum("rings of ten" in name for name in rows) == 2
