@@ -39,7 +39,7 @@ def test_a_section_has_the_numbers_of_both_the_picture_and_the_remarks(tmp_path)
     assert "![The PSF](psf-zenith.png)" in page
     assert "*A picture.*" in page
     assert "First. Second." in page
-    assert "scale `quick`, seed 1, 2 min of one core" in page
+    assert "scale `quick`, seed 1, 2 min on one core" in page
     path = tmp_path / "index.md"
     write_page(path, [TARGET])
     assert path.read_text() == page

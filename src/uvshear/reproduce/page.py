@@ -43,7 +43,7 @@ def _section(target: ReproducedTarget) -> str:
     lines = [
         f"## {target.title}\n",
         f"The paper, {published.where}: {published.claim}\n",
-        f"(`{target.name}`, scale `{target.scale}`, seed {target.seed}, {_duration(target.seconds)} of one core)\n",
+        f"(`{target.name}`, scale `{target.scale}`, seed {target.seed}, {_duration(target.seconds)} on one core)\n",
     ]
     if target.quantities:
         lines += [_table(target.quantities), ""]
