@@ -105,8 +105,8 @@ def test_any_executor_gives_the_same_parts(tmp_path):
     _run(tmp_path / "one")
     _run(tmp_path / "two", resources=Resources(Threads(2)))
     for name in ("natural", "uniform"):
-        one, two = (
-            np.load(tmp_path / run / "parts" / "psf-images" / f"{name}.npz")
-            for run in ("one", "two")
-        )
-        np.testing.assert_array_equal(one["image"], two["image"])
+        images = []
+        for place in ("one", "two"):
+            with np.load(tmp_path / place / "parts" / "psf-images" / f"{name}.npz") as part:
+                images.append(part["image"])
+        np.testing.assert_array_equal(*images)
