@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.processes import wait_for
 from uvshear.io import placing
 from uvshear.io.placing import one_at_a_time, place_new, replace
 
@@ -95,6 +96,8 @@ def test_the_name_of_a_directory_is_taken_throughout_its_replacement(tmp_path: P
         private = tmp_path / f"{number}"
         private.mkdir()
         replace(_make(private / "out", "new", is_directory=True), out)
+        # A busy machine may not let the other thread look as often.
+        wait_for(lambda least=number: len(seen) > least)
     ends.set()
     watcher.join()
     assert len(seen) > 50

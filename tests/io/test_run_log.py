@@ -13,7 +13,7 @@ from uvshear.errors import InputError
 from uvshear.execution.usage import Usage
 from uvshear.io import run_log as module
 from uvshear.io.provenance import Provenance
-from uvshear.io.run_log import RunLog, run_log
+from uvshear.io.run_log import RunLog, end_open_logs, run_log
 from uvshear.progress import Meter, Stage
 
 MADE = Provenance("uvshear measure", ("field.ms",), {"uv_min": 3.0})
@@ -194,3 +194,17 @@ def test_lines_are_not_appended_to_what_is_no_log(tmp_path):
     with run_log(path, MADE, overwrite=True, appends=True, on_failure=[].append):
         pass
     assert [each["record"] for each in lines(path)] == ["run", "end"]
+
+
+def test_logs_that_are_open_when_the_process_ends_tell_of_the_interruption(tmp_path):
+    path = tmp_path / "run.log"
+    with log_at(path) as log:
+        work(log)
+        end_open_logs()
+        at_the_end = lines(path)
+    assert [each["record"] for each in at_the_end] == ["run", "stage", "stage", "end"]
+    assert at_the_end[-1]["outcome"] == "interrupted"
+    assert at_the_end[-2]["finished"] is False
+    # Nothing is added by the end of the run itself, nor to the logs of runs that have ended.
+    end_open_logs()
+    assert lines(path) == at_the_end

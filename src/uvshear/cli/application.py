@@ -193,6 +193,9 @@ def _stop(
     # At exit the interpreter would wait for the threads of a pool, which end only when their tasks are done.
     if not isinstance(event, Outcome) or threading.active_count() > 1:
         _show(stopped)
+        if not isinstance(event, Outcome):
+            # If the module has not been imported, there is no log.
+            getattr(sys.modules.get("uvshear.io.run_log"), "end_open_logs", _nothing)()
         # If uvshear.execution has not been imported, there are no worker processes to end.
         execution = sys.modules.get("uvshear.execution")
         for name in ("end_processes", "end_copies"):

@@ -105,7 +105,7 @@ class RunLog(Observer):
 
     def __init__(self, path: Path, file: TextIO, on_failure: Callable[[str], None]) -> None:
         self._path, self._file, self._on_failure = path, file, on_failure
-        self._has_failed = False
+        self._has_failed = self._has_ended = False
         self._start = time.monotonic()
         self._stage: Stage | None = None
         self._begun = self._told = self._sampled = self._start
@@ -152,6 +152,7 @@ class RunLog(Observer):
 
     def write_head(self, made: Provenance) -> None:
         """Write the line about the run."""
+        _OPEN.append(self)
         pages = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
         machine = {
             "cores": available_cores(),
@@ -164,6 +165,11 @@ class RunLog(Observer):
 
     def write_end(self, error: BaseException | None) -> None:
         """Write the line about the end of the run, and about the error that has ended it."""
+        if self._has_ended:
+            return
+        self._has_ended = True
+        if self in _OPEN:
+            _OPEN.remove(self)
         outcome = {"outcome": "finished"}
         if isinstance(error, KeyboardInterrupt):
             outcome = {"outcome": "interrupted"}
@@ -230,6 +236,16 @@ class RunLog(Observer):
             self._has_failed = True
             reason = f"{self._path}: cannot be written any more ({error.strerror})"
             self._on_failure(f"{reason}; the run goes on without a log")
+
+
+_OPEN: Final[list[RunLog]] = []
+"""Logs of runs that have not ended."""
+
+
+def end_open_logs() -> None:
+    """Write that the runs were interrupted, because the process ends without waiting for them."""
+    for log in tuple(_OPEN):
+        log.write_end(KeyboardInterrupt())
 
 
 def _short(value: float | None) -> float | None:
