@@ -1,7 +1,12 @@
+"""Parts of a computation in files of their own."""
+
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from uvshear.errors import InputError
+from uvshear.io import part_files
 from uvshear.io.part_files import PartFiles
 
 
@@ -58,3 +63,22 @@ def test_nothing_is_left_of_a_removal(tmp_path):
     parts.save("first", {"n": np.zeros(1)})
     assert parts.load("first")["n"] == 0
     assert {path.name for path in tmp_path.iterdir()} == {"parts"}
+
+
+def test_a_run_that_ends_while_the_directory_is_made_leaves_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parts = PartFiles(tmp_path / "parts", {"seed": "1"})
+
+    def end(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(part_files, "write_json", end)
+    with pytest.raises(KeyboardInterrupt):
+        parts.save("one", {"x": np.zeros(1)})
+    monkeypatch.undo()
+    assert not parts.directory.exists()
+    parts.check()
+    parts.save("one", {"x": np.ones(1)})
+    assert parts.load("one")["x"].tolist() == [1.0]
+    parts.check()

@@ -67,17 +67,25 @@ class PartFiles:
 
     def save(self, name: str, values: Mapping[str, Array]) -> None:
         """Save a part, whole or not at all."""
+        if not self.directory.exists():
+            self._create()
+        with new_file(self._path(name), overwrite=True) as temporary, temporary.open("wb") as file:
+            arrays: dict[str, Any] = {key: np.asarray(value) for key, value in values.items()}
+            np.savez(file, **arrays)
+
+    def _create(self) -> None:
+        """Make the directory together with its description: one without would be taken for something else."""
         try:
-            self.directory.mkdir(parents=True, exist_ok=True)
+            self.directory.parent.mkdir(parents=True, exist_ok=True)
+            with unfinished_directory(self.directory) as private:
+                made = private / "made"
+                made.mkdir()
+                write_json(made / _ABOUT, dict(self.identity), overwrite=True)
+                made.rename(self.directory)
         except OSError as error:
             raise InputError(
                 f"{self.directory}: cannot be created: {error.strerror or error}"
             ) from error
-        if not (self.directory / _ABOUT).exists():
-            write_json(self.directory / _ABOUT, dict(self.identity), overwrite=True)
-        with new_file(self._path(name), overwrite=True) as temporary, temporary.open("wb") as file:
-            arrays: dict[str, Any] = {key: np.asarray(value) for key, value in values.items()}
-            np.savez(file, **arrays)
 
     def load(self, name: str) -> dict[str, Array]:
         """Return a part."""
