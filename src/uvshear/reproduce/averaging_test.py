@@ -15,9 +15,9 @@ from uvshear.reproduce.finding import Estimate, Finding, Quantity
 from uvshear.reproduce.paper_pointing import BAND, BASELINE, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
 from uvshear.reproduce.random_samples import RandomSamples, Resolution
+from uvshear.reproduce.true_galaxies import TrueGalaxies, blocks_of_galaxies
 from uvshear.reproduce.visibility_cells import VisibilityCells
-from uvshear.shapes.measurement import FitFlag, GalaxyFit
-from uvshear.shapes.prior import ShapePrior
+from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.shape import measure_shape
 from uvshear.shapes.template import Template
 from uvshear.simulation.population import Population
@@ -83,22 +83,13 @@ class AveragingTest(PaperTarget):
 
     def tasks(self) -> Mapping[str, tuple[int, int]]:
         """Return the first galaxy and the number of galaxies of each part."""
-        return {
-            f"galaxies-{first}": (first, min(self.block, self.galaxies - first))
-            for first in range(0, self.galaxies, self.block)
-        }
+        return blocks_of_galaxies(self.galaxies, self.block)
 
     def measure(self, task: tuple[int, int]) -> Mapping[str, Array]:
         """Measure every galaxy in every case: e1, e2, their errors, and whether the fit is good."""
         first, number = task
         rng = np.random.default_rng([self.seed, first])
-        population = Population()
-        flux = population.flux.draw(number, rng)
-        size = population.size.prior(flux)
-        scale_length = size.draw(rng)
-        e = population.ellipticity.draw_modulus(number, rng) * np.exp(
-            2j * np.pi * rng.uniform(size=number)
-        )
+        true = TrueGalaxies.draw(Population(), number, rng)
         directions = rng.uniform(-self.half_width, self.half_width, (number, 2))
         drawn = {
             name: RandomSamples.draw(self.pointing, case.resolution, self.samples, rng)
@@ -106,10 +97,8 @@ class AveragingTest(PaperTarget):
         }
         measured = np.full((number, len(CASES), 5), np.nan)
         for k in range(number):
-            galaxy = GalaxyFit(
-                float(flux[k]), np.zeros(2), complex(e[k]), float(scale_length[k]), 0.0
-            )
-            prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
+            galaxy = true.galaxy(k)
+            prior = true.prior(k)
             count = TableCount().cells(math.exp(prior.log_scale_length))
             for way, (name, case) in enumerate(CASES.items()):
                 samples = drawn[name]
@@ -125,7 +114,7 @@ class AveragingTest(PaperTarget):
                 shape = measure_shape(cells.natural_facet(visibilities), prior, FITTED)
                 error = np.sqrt(np.diag(shape.covariance))
                 measured[k, way] = (*shape.ellipticity, *error, shape.flag is FitFlag.OK)
-        return {"true": e, "measured": measured}
+        return {"true": true.ellipticity, "measured": measured}
 
     def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
         """Compare the slopes of all cases."""

@@ -1,5 +1,6 @@
 """Target ``gridded-model``: the model averaged in cells as the data are, too dear for the paper (section 4.1)."""
 
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,9 +18,8 @@ from uvshear.reproduce.finding import Estimate, Finding, Quantity
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import BASELINE, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.reproduce.true_galaxies import TrueGalaxies, blocks_of_galaxies
 from uvshear.reproduce.visibility_cells import VisibilityCells
-from uvshear.shapes.measurement import GalaxyFit
-from uvshear.shapes.prior import ShapePrior
 from uvshear.shapes.template import Template
 from uvshear.typing import Array
 
@@ -56,10 +56,7 @@ class GriddedModel(PaperTarget):
 
     def tasks(self) -> Mapping[str, tuple[int, int]]:
         """Return the first galaxy and the number of galaxies of each part."""
-        return {
-            f"galaxies-{first}": (first, min(self.block, self.galaxies - first))
-            for first in range(0, self.galaxies, self.block)
-        }
+        return blocks_of_galaxies(self.galaxies, self.block)
 
     def measure(self, task: tuple[int, int]) -> Mapping[str, Array]:
         """Fit every galaxy with every model: e1, e2, their errors and the processor time [s]."""
@@ -70,24 +67,16 @@ class GriddedModel(PaperTarget):
         uv = samples.block.uvw[:, :2] * (float(samples.block.frequency[0]) / SPEED_OF_LIGHT)
         natural = np.asarray(samples.block.weights[:, 0], float)
         rng = np.random.default_rng([self.seed, first])
-        population = survey.population
-        flux = population.flux.draw(number, rng)
-        size = population.size.prior(flux)
-        scale_length = size.draw(rng)
-        e = population.ellipticity.draw_modulus(number, rng) * np.exp(
-            2j * np.pi * rng.uniform(size=number)
-        )
+        true = TrueGalaxies.draw(survey.population, number, rng)
         fitted = np.full((number, len(WAYS), 5), np.nan)
         for k in range(number):
-            galaxy = GalaxyFit(
-                float(flux[k]), np.zeros(2), complex(e[k]), float(scale_length[k]), 0.0
-            )
-            prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
+            galaxy = true.galaxy(k)
+            prior = true.prior(k)
             noise = rng.standard_normal((2, len(uv)))
             visibilities = Template(uv, FITTED).model(galaxy).astype(complex)
             visibilities += (noise[0] + 1j * noise[1]) / np.sqrt(natural)
             cells = VisibilityCells(
-                uv, natural, TableCount().cells(float(np.exp(size.log_median[k])))
+                uv, natural, TableCount().cells(math.exp(true.size.log_median[k]))
             )
             data = cells.total(visibilities) / cells.weight
             simulator = beam.simulator(prior.log_scale_length, prior.log_scale_length_sigma)
@@ -106,7 +95,7 @@ class GriddedModel(PaperTarget):
                 spent = time.process_time() - start
                 e_fit = fit.ellipticity
                 fitted[k, way] = (e_fit.real, e_fit.imag, *fit.error, spent)
-        return {"true": e, "fitted": fitted}
+        return {"true": true.ellipticity, "fitted": fitted}
 
     def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
         """Compare slopes, errors and times."""

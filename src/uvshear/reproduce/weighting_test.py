@@ -1,5 +1,6 @@
 """Target ``weighting``: the weighting of the averages in cells, and the shapes that are measured (section 4.1)."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -16,9 +17,9 @@ from uvshear.reproduce.finding import Estimate, Finding, Quantity
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import BASELINE, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.reproduce.true_galaxies import TrueGalaxies, blocks_of_galaxies
 from uvshear.reproduce.visibility_cells import VisibilityCells
-from uvshear.shapes.measurement import FitFlag, GalaxyFit
-from uvshear.shapes.prior import ShapePrior
+from uvshear.shapes.measurement import FitFlag
 from uvshear.shapes.shape import measure_shape
 from uvshear.shapes.template import Template
 from uvshear.typing import Array
@@ -58,10 +59,7 @@ class WeightingTest(PaperTarget):
 
     def tasks(self) -> Mapping[str, tuple[int, int]]:
         """Return the first galaxy and the number of galaxies of each part."""
-        return {
-            f"galaxies-{first}": (first, min(self.block, self.galaxies - first))
-            for first in range(0, self.galaxies, self.block)
-        }
+        return blocks_of_galaxies(self.galaxies, self.block)
 
     def measure(self, task: tuple[int, int]) -> Mapping[str, Array]:
         """Measure every galaxy in every way: e1, e2, their errors, and whether the fit is good."""
@@ -77,23 +75,15 @@ class WeightingTest(PaperTarget):
             ).samples()
             factors[name], scales[name] = weighed.factors[:, 0], weighed.scale
         rng = np.random.default_rng([self.seed, first])
-        population = survey.population
-        flux = population.flux.draw(number, rng)
-        size = population.size.prior(flux)
-        scale_length = size.draw(rng)
-        e = population.ellipticity.draw_modulus(number, rng) * np.exp(
-            2j * np.pi * rng.uniform(size=number)
-        )
+        true = TrueGalaxies.draw(survey.population, number, rng)
         measured = np.full((number, len(WAYS), 5), np.nan)
         for k in range(number):
-            galaxy = GalaxyFit(
-                float(flux[k]), np.zeros(2), complex(e[k]), float(scale_length[k]), 0.0
-            )
+            galaxy = true.galaxy(k)
             noise = rng.standard_normal((2, len(uv)))
             visibilities = Template(uv, FITTED).model(galaxy).astype(complex)
             visibilities += (noise[0] + 1j * noise[1]) / np.sqrt(natural)
             cells = VisibilityCells(
-                uv, natural, TableCount().cells(float(np.exp(size.log_median[k])))
+                uv, natural, TableCount().cells(math.exp(true.size.log_median[k]))
             )
             facets = (
                 cells.natural_facet(visibilities),
@@ -101,12 +91,12 @@ class WeightingTest(PaperTarget):
                 cells.propagated_facet(visibilities, factors["20"]),
                 cells.weighted_facet(visibilities, factors["2"], scales["2"]),
             )
-            prior = ShapePrior(float(size.log_median[k]), float(size.sigma[k]))
+            prior = true.prior(k)
             for way, facet in enumerate(facets):
                 shape = measure_shape(facet, prior, FITTED)
                 error = np.sqrt(np.diag(shape.covariance))
                 measured[k, way] = (*shape.ellipticity, *error, shape.flag is FitFlag.OK)
-        return {"true": e, "measured": measured}
+        return {"true": true.ellipticity, "measured": measured}
 
     def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
         """Compare slopes, errors and single shapes."""
