@@ -12,7 +12,7 @@ from uvshear.constants import ARCSEC
 from uvshear.execution import in_threads
 from uvshear.galaxy import Exponential, Gaussian, Profile
 from uvshear.predict import predict_visibilities
-from uvshear.predict.direct import SLAB
+from uvshear.predict.direct import SLAB, predict_multiples
 
 PROFILES = {"exponential": Exponential(), "gaussian": Gaussian()}
 FAR = np.radians(0.5)
@@ -162,3 +162,24 @@ def test_progress_is_told_of_the_visibilities_that_are_done():
     )
     total = 2 * len(uvw)
     assert told == [(done, total) for done in (SLAB, 2 * SLAB, 2 * SLAB + 100, total)]
+
+
+def test_sums_of_multiples_do_not_depend_on_the_order_of_the_galaxies():
+    rng = np.random.default_rng(8)
+    l, m = rng.uniform(-0.005, 0.005, (2, 37))
+    sky = galaxies(l, m, rng.uniform(1e-5, 1e-4, 37), rng.uniform(0, 2, 37) * ARCSEC, 0.2j)
+    uvw, _ = vla("a", samples=1)
+    unit = 2.0**-60
+    found = predict_multiples(sky, uvw, L_BAND, PROFILES["exponential"], unit)
+    expected = predict_visibilities(sky, uvw, L_BAND)
+    # 37 roundings by half a unit at most, in both parts
+    assert np.abs(unit * found - expected).max() < 37 * unit
+    assert np.array_equal(found.real, np.rint(found.real))
+    order = rng.permutation(37)
+    shuffled = predict_multiples(sky.select(order), uvw, L_BAND, PROFILES["exponential"], unit)
+    np.testing.assert_array_equal(shuffled, found)
+    part, rest = (sky.select(some) for some in (order[:20], order[20:]))
+    without = found - predict_multiples(part, uvw, L_BAND, PROFILES["exponential"], unit)
+    np.testing.assert_array_equal(
+        without, predict_multiples(rest, uvw, L_BAND, PROFILES["exponential"], unit)
+    )

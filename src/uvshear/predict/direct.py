@@ -7,6 +7,7 @@ rounding.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -76,24 +77,68 @@ def predict_visibilities(
     ----------
     Rivi & Miller 2018, MNRAS 476, 2053, eq. 1 (there without w) and 5.
     """
-    profile = profile or Exponential()
-    vis = np.empty((len(uvw), len(frequency)), complex)
+    sky, shape = _Sky(galaxies, frequency), profile or Exponential()
+    add = kernels.add_sources_single if dtype is np.float32 else kernels.add_sources
+
+    def predict(rows: slice, chan: int, block: Float[Array, "3 row"]) -> Complex[Array, " row"]:
+        factor: _Factor | None = None
+        if losses is not None:
+            samples = losses.samples(uvw, frequency, rows, chan)
+            factor = _Attenuated(losses.attenuation.over(samples), galaxies)
+        return _predict_slab(sky, block, chan, shape, _Summation(add, dtype), factor)
+
+    return _over_slabs(predict, uvw, len(frequency), executor, progress)
+
+
+def predict_multiples(
+    galaxies: Galaxies,
+    uvw: Float[Array, "row 3"],
+    frequency: Float[Array, " chan"],
+    profile: Profile,
+    unit: float,
+    executor: Executor = SERIAL,
+) -> Complex[Array, "row chan"]:
+    """Sum the visibilities of all galaxies, each rounded to the nearest integer multiple of a unit, in this unit.
+
+    As long as these sums of integers are below 2^53 they are exact. The order of the galaxies does not matter then, and
+    a galaxy can be taken out again by adding it with the opposite flux.
+
+    Parameters
+    ----------
+    galaxies, uvw, frequency, profile, executor
+        As for ``predict_visibilities``.
+    unit
+        The unit [Jy], a power of two.
+    """
     sky = _Sky(galaxies, frequency)
+    summation = _Summation(partial(kernels.add_rounded_sources, 1 / unit), np.float64)
+
+    def predict(_: slice, chan: int, block: Float[Array, "3 row"]) -> Complex[Array, " row"]:
+        return _predict_slab(sky, block, chan, profile, summation)
+
+    return _over_slabs(predict, uvw, len(frequency), executor)
+
+
+def _over_slabs(
+    predict: Callable[[slice, int, Float[Array, "3 row"]], Complex[Array, " row"]],
+    uvw: Float[Array, "row 3"],
+    channels: int,
+    executor: Executor,
+    progress: Progress | None = None,
+) -> Complex[Array, "row chan"]:
+    """Call a function for the rows of each slab, the number of each channel, and the baselines of the slab."""
+    vis = np.empty((len(uvw), channels), complex)
 
     def fill(task: tuple[int, int]) -> int:
         start, chan = task
         rows = slice(start, start + SLAB)
         block = np.ascontiguousarray(uvw[rows].T, float)
-        factor: _Factor | None = None
-        if losses is not None:
-            samples = losses.samples(uvw, frequency, rows, chan)
-            factor = _Attenuated(losses.attenuation.over(samples), galaxies)
-        vis[rows, chan] = _predict_slab(sky, block, chan, profile, factor, dtype)
+        vis[rows, chan] = predict(rows, chan, block)
         return block.shape[1]
 
     meter = Meter(progress)
     meter.expect(vis.size)
-    for done in executor.map(fill, product(range(0, len(uvw), SLAB), range(len(frequency)))):
+    for done in executor.map(fill, product(range(0, len(uvw), SLAB), range(channels))):
         meter.add(done)
     return vis
 
@@ -155,8 +200,17 @@ def sum_of_sources(
         their spectra, and attenuation if there is any.
     """
     flat = replace(galaxies, spectral_index=np.zeros(len(galaxies)))
-    sky = _Sky(flat, np.array([SPEED_OF_LIGHT]))
-    return _predict_slab(sky, np.ascontiguousarray(uvw.T, float), 0, profile, factor, np.float64)
+    sky, block = _Sky(flat, np.array([SPEED_OF_LIGHT])), np.ascontiguousarray(uvw.T, float)
+    summation = _Summation(kernels.add_sources, np.float64)
+    return _predict_slab(sky, block, 0, profile, summation, factor)
+
+
+@dataclass(frozen=True)
+class _Summation:
+    """Kernel that adds sources, and the precision of their envelopes."""
+
+    add: Callable[..., None]
+    dtype: type[np.floating]
 
 
 def _predict_slab(
@@ -164,14 +218,13 @@ def _predict_slab(
     uvw: Float[Array, "3 row"],
     chan: int,
     profile: Profile,
-    factor: _Factor | None,
-    dtype: type[np.floating],
+    summation: _Summation,
+    factor: _Factor | None = None,
 ) -> Complex[Array, " row"]:
     rows = uvw.shape[1]
     real, imaginary = np.zeros((2, rows))
-    arguments = np.empty((SOURCES, rows), dtype)
-    baselines, per_metre = uvw.astype(dtype, copy=False), sky.per_metre[chan]
-    add_sources = kernels.add_sources_single if dtype is np.float32 else kernels.add_sources
+    arguments = np.empty((SOURCES, rows), summation.dtype)
+    baselines, per_metre = uvw.astype(summation.dtype, copy=False), sky.per_metre[chan]
     for first in range(0, len(sky.lmn1), SOURCES):
         batch = slice(first, first + SOURCES)
         forms = sky.forms[batch]
@@ -182,5 +235,5 @@ def _predict_slab(
             amplitude = np.array(amplitude)
             factor(batch, amplitude)
         flux = sky.flux[batch, chan]
-        add_sources(uvw, per_metre, sky.lmn1[batch], flux, amplitude, real, imaginary)
+        summation.add(uvw, per_metre, sky.lmn1[batch], flux, amplitude, real, imaginary)
     return real + 1j * imaginary

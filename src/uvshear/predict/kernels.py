@@ -46,6 +46,23 @@ def add_sources(uvw, per_metre, lmn1, flux, envelope, real, imaginary):  # type:
 
 
 @compiled
+def add_rounded_sources(per_unit, uvw, per_metre, lmn1, flux, envelope, real, imaginary):  # type: ignore[no-untyped-def]
+    """Do the same as :func:`add_sources`, with each source rounded to an integer number of units."""
+    for start in range(0, real.size, ROWS):
+        rows = slice(start, start + ROWS)
+        u, v, w = uvw[0, rows], uvw[1, rows], uvw[2, rows]
+        x, y = real[rows], imaginary[rows]
+        for s in range(len(flux)):
+            l, m, n1 = lmn1[s, 0] * per_metre, lmn1[s, 1] * per_metre, lmn1[s, 2] * per_metre
+            scale, own = flux[s] * per_unit, envelope[s, rows]
+            for i in range(x.size):
+                sine, cosine = sine_cosine_of_turns(u[i] * l + v[i] * m + w[i] * n1)
+                amplitude = scale * own[i]
+                x[i] += np.rint(amplitude * cosine)
+                y[i] += np.rint(amplitude * sine)
+
+
+@compiled
 def add_sources_single(uvw, per_metre, lmn1, flux, envelope, real, imaginary):  # type: ignore[no-untyped-def]
     """Do the same as :func:`add_sources` in single precision, but for the turns and the sums."""
     for start in range(0, real.size, ROWS):

@@ -67,8 +67,14 @@ class CrowdedField:
 
     @property
     def seconds(self) -> float:
-        """Estimated processor time [s], for half a million samples."""
-        return self.galaxies * (0.4 if self.extraction == "paper" else 0.1)
+        """Estimated processor time [s]."""
+        duration = sum(stop - start for start, stop in self.pointing.times)
+        samples = (
+            math.comb(len(self.pointing.plan.layout), 2) * duration / self.pointing.integration
+        )
+        if self.extraction == "paper":
+            return self.galaxies * (0.025 + 3.5e-8 * samples)
+        return self.galaxies * 0.06 + 1e-5 * samples
 
     def measured(self) -> dict[str, Array]:
         """Return the columns of a ``ShapeSample`` for all galaxies."""

@@ -14,6 +14,9 @@ from uvshear.reproduce.published_figures import PublishedFigures
 from uvshear.reproduce.shape_sample import ShapeSample, sample_named
 from uvshear.typing import Array
 
+WHOLE = "whole"
+"""Beginning of the name of the part that has the whole field of the paper."""
+
 PAPER_DENSITY = 2.8
 """Density at which the paper states its slopes [galaxies per square arcminute]."""
 
@@ -32,6 +35,10 @@ class DensityTarget(PaperTarget):
         Number of fields at each density.
     integration
         Length of a sample [s].
+    whole
+        Number of galaxies in the field that is measured in the paper's way with the paper's number of samples.
+    whole_integration
+        Length of a sample of that field [s].
     """
 
     name = "density"
@@ -41,11 +48,18 @@ class DensityTarget(PaperTarget):
     galaxies: int = 1000
     fields: int = 10
     integration: float = 900.0
+    whole: int = 10080
+    whole_integration: float = 60.0
 
     def tasks(self) -> Mapping[str, CrowdedField]:
-        """Return the fields, each measured in two ways."""
+        """Return the field of the paper, and the others, each of which is measured in two ways."""
+        pointing = PaperPointing(integration=self.whole_integration)
+        # The whole field takes as long as several others together, and comes first.
+        whole = CrowdedField(
+            "paper", pointing, self.whole, PAPER_DENSITY, 1, 1000 * self.seed + self.fields
+        )
         pointing = PaperPointing(integration=self.integration)
-        return {
+        return {f"{WHOLE}-0": whole} | {
             f"{way}-{density:g}-{field}": CrowdedField(
                 way, pointing, self.galaxies, density, 1, 1000 * self.seed + field
             )
@@ -92,6 +106,7 @@ class DensityTarget(PaperTarget):
                     _bad_percent(samples["converged"]),
                 )
             )
+        quantities += self._whole_field(found, printed)
         words = {"paper": "the paper's way", "converged": "converged extraction"}
         panels = []
         for part in (0, 1):
@@ -127,10 +142,32 @@ class DensityTarget(PaperTarget):
             " against their number density."
         )
         remarks = (
-            f"Each density has {self.fields} fields of {self.galaxies} galaxies, in samples of {self.integration:g} s,"
-            " whose noise gives a galaxy of 10 µJy a signal-to-noise ratio of 10.",
+            f"Each density has {self.fields} fields of {self.galaxies} galaxies, in samples of {self.integration:g} s."
+            f" The field of {self.whole} galaxies has a density of {PAPER_DENSITY:g}. The noise gives a galaxy of 10"
+            " µJy a signal-to-noise ratio of 10 in each.",
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, remarks)
+
+    def _whole_field(
+        self, found: Mapping[str, Mapping[str, Array]], printed: PublishedFigures
+    ) -> list[Quantity]:
+        """Compare the slopes of the field that has the paper's number of galaxies and of samples."""
+        sample = sample_named(found, WHOLE)
+        words = f"{self.whole} galaxies in one field, samples of {self.whole_integration:g} s"
+        rows = [
+            Quantity(
+                f"slope of e{part + 1}, {words}",
+                printed.estimate(f"slope_e{part + 1}"),
+                Estimate.from_slope(slopes.inverse_variance),
+            )
+            for part, slopes in enumerate(sample.slopes())
+        ]
+        bad = Quantity(
+            f"bad measurements, {words} [%]",
+            printed.estimate("bad_percent"),
+            _bad_percent(sample),
+        )
+        return [*rows, bad]
 
 
 def _bad_percent(sample: ShapeSample) -> Estimate:

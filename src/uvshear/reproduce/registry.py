@@ -65,7 +65,7 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
             "c-size": lambda seed: SizeBias(seed, COARSE, 24, 8),
             "c-snapshots": lambda seed: SnapshotBias(seed, COARSE, 24, 8),
             "c-facets": lambda seed: FacetBias(seed, COARSE, 8, 8),
-            "density": lambda seed: DensityTarget(seed, (1.0, 2.8), 60, 1, 1800.0),
+            "density": lambda seed: DensityTarget(seed, (1.0, 2.8), 60, 1, 1800.0, 120, COARSE),
             "shear-density": lambda seed: ShearDensity(seed, (1.0, 2.8), 20, 2, 1800.0),
             "metacal-round": lambda seed: MetacalRound(
                 seed, PaperPointing(integration=COARSE), 40, 10

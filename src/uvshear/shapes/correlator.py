@@ -120,7 +120,8 @@ class Correlator:
         """Cross-correlation <d, m> of each template at each node, and <m, m> of each template.
 
         This is a matrix product of templates and displaced data over blocks of cells: it runs in the precision of the
-        correlator within a block, and in float64 over the blocks. Blocks are so small that BLAS stays on one thread.
+        correlator within a block, and in float64 over the blocks. Callers limit BLAS to one thread
+        (``execution.single_threaded_libraries``): with two, these small products take three times the processor time.
 
         Parameters
         ----------

@@ -2,16 +2,19 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
 
+from uvshear.execution import single_threaded_libraries
 from uvshear.extraction.extraction import Setting
 from uvshear.extraction.field import Field
 from uvshear.extraction.paper.facet_gathering import FacetAccumulator
 from uvshear.extraction.paper.facets import FacetMethod, Target
 from uvshear.extraction.paper.paper_sky import PaperSky
 from uvshear.extraction.paper.paper_state import PaperState
+from uvshear.extraction.paper.residual import Residual, SubtractedSky
 from uvshear.extraction.schedule import fitting_levels
 from uvshear.interferometer.accumulate import accumulate
 from uvshear.interferometer.facet import Facet
@@ -66,6 +69,12 @@ class SequentialPass:
     facet: FacetMethod
     on_rows: Callable[[int], None]
 
+    @cached_property
+    def subtracted(self) -> SubtractedSky:
+        """Visibilities of the sources, which the batches have in common."""
+        first = self.field.sky.select(self.field.modelled)
+        return SubtractedSky(first, self.setting.model.profile, self.setting.resources)
+
     def improve(self, reached: PaperState, batch: Batch) -> PaperState:
         """Fit the sources of a batch, and improve the sky with them."""
         sky, fits = self._fit_batch(reached.sky, batch, self._fit)
@@ -99,30 +108,30 @@ class SequentialPass:
         sources = batch.tolist()
         facets = self._gather(sky, batch)
         tasks = zip(sources, facets, strict=True)
-        fitted = self.setting.resources.executor.map(
-            lambda task: fit(*task, sky.fits.get(task[0])), tasks
-        )
-        return sky.with_facets(sources, facets), list(fitted)
+        # Threads of the linear algebra would compete with those of the fits, and change the last bits.
+        with single_threaded_libraries():
+            fitted = list(
+                self.setting.resources.executor.map(
+                    lambda task: fit(*task, sky.fits.get(task[0])), tasks
+                )
+            )
+        return sky.with_facets(sources, facets), fitted
 
     def _gather(self, sky: PaperSky, batch: Batch) -> list[Facet]:
-        profile, members = self.setting.model.profile, self.field.modelled
         builders = [
             self.facet.open(
                 Target.from_field(self.field, source, sky.fits.get(source)),
-                profile,
+                self.setting.model.profile,
                 sky.power.get(source),
             )
             for source in batch.tolist()
         ]
+        models = [sky.sky.select(np.array([source])) for source in batch]
         gathering = FacetAccumulator(
-            sky.sky.select(members),
-            builders,
-            np.searchsorted(members, batch),
-            profile,
-            self.setting.resources.executor,
-            self.on_rows,
+            builders, models, self.setting.resources.executor, self.on_rows
         )
-        (facets,) = accumulate(self.observation, [gathering])
+        residual = Residual(self.observation, sky.sky.select(self.field.modelled), self.subtracted)
+        (facets,) = accumulate(residual, [gathering])
         return facets
 
     def _fit(self, source: int, facet: Facet, start: GalaxyFit | None) -> GalaxyFit | None:
