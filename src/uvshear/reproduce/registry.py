@@ -82,7 +82,7 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
             "averaging": AveragingTest,
             "shear-bias": lambda seed: ShearBias(seed, PaperPointing(integration=COARSE), 300, 50),
             "shear-bias-crowded": CrowdedShearBias,
-            "c-round": RoundBias,
+            "c-round": lambda seed: RoundBias(seed, galaxies=2000),
             "c-zenith": ZenithBias,
             "c-size": SizeBias,
             "c-snapshots": SnapshotBias,
