@@ -84,7 +84,6 @@ def test_a_wrong_call_is_one_line(
         ("metacal", "--prior fitted", "--estimator metacal has no prior"),
         ("metacal", "--wraps moments --prior fitted", "--wraps moments has no prior"),
         ("metacal", "--wraps spin", "--wraps spin: 'spin' is not a known estimator"),
-        ("mean", "--facet cell-average --shear 0", "which is not possible for cell averages"),
         (
             "spin",
             "",

@@ -89,7 +89,7 @@ class Survey:
         """Return the experiment with isolated galaxies, on exact facets or on the paper's."""
         empty = self._observed(self._nobody(), None, executor)
         beam = (
-            CellAverageBeam.gather(empty)
+            CellAverageBeam.gather(empty, self._nobody())
             if self.averages_cells
             else MockBeam.gather(empty, self._nobody(), self._smallest(), executor)
         )

@@ -189,7 +189,7 @@ def bias(
         typer.Option(
             rich_help_panel=METHOD,
             help="Method of making facets: exact, or cell-average (averages in uv cells as in Rivi & Miller 2018;"
-            " only with --estimator mean and a --shear above 0).",
+            " only with --estimator mean).",
         ),
     ] = FacetName.EXACT,
     position_error_arcsec: Annotated[
@@ -331,11 +331,6 @@ def _refuse(estimator: str, shear: float, *, is_measured: bool, is_averaged: boo
     """Refuse options that cannot be combined."""
     if shear >= 1:
         raise InputError(f"--shear {shear:g}: |g| below 1 is needed")
-    if is_averaged and shear == 0:
-        raise InputError(
-            "--facet cell-average --shear 0: with --shear 0 each galaxy is simulated a second time turned by 90"
-            " degrees, which is not possible for cell averages; give --shear a value above 0"
-        )
     if is_averaged and estimator != MEAN:
         raise InputError(
             f"--facet cell-average --estimator {estimator}: facets of cell averages work only with --estimator mean"

@@ -1,21 +1,13 @@
 """Numbers of cells of the paper's facets."""
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
 
+from uvshear.bias.cell_average import CellCount
 from uvshear.constants import ARCSEC, MICROJANSKY
 from uvshear.extraction.paper.cell_average import PaperTable
 from uvshear.galaxy import SizeFluxRelation
-
-
-class CellCount(ABC):
-    """A rule for the number of cells along a side of a facet."""
-
-    @abstractmethod
-    def cells(self, scale_length: float) -> int:
-        """Return the number of cells, which is even, for galaxies whose median scale length is this [rad]."""
 
 
 @dataclass(frozen=True)

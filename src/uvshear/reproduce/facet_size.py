@@ -7,12 +7,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from uvshear.bias.cell_average import CellCount
 from uvshear.constants import ARCMIN, MICROJANSKY
 from uvshear.extraction.paper.cell_average import PaperTable
 from uvshear.galaxy import PowerLawFlux
 from uvshear.interferometer.weighting import Uniform, Weighting
 from uvshear.plot.curves import Curve, CurvePanel, draw_curves
-from uvshear.reproduce.cell_counts import CellCount, FixedCount
+from uvshear.reproduce.cell_counts import FixedCount
 from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay, FacetWay
 from uvshear.reproduce.finding import Estimate, Finding, Quantity, signed
 from uvshear.reproduce.mock_survey import MockSurvey

@@ -7,12 +7,11 @@ from typing import ClassVar
 
 import numpy as np
 
+from uvshear.bias.cell_average import CellAverageBeam, CellCount
 from uvshear.bias.mock_facets import FacetBeam, MockBeam
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
-from uvshear.reproduce.cell_beam import CellBeam
-from uvshear.reproduce.cell_counts import CellCount
 from uvshear.reproduce.weighted_beam import WeightedBeam
 from uvshear.typing import Array, Float
 
@@ -81,16 +80,15 @@ class CellFacets(FacetWay):
 
     rule: CellCount
 
-    def beam(self, samples: WeighedSamples, smallest: float) -> CellBeam:
+    def beam(self, samples: WeighedSamples, smallest: float) -> CellAverageBeam:
         """Sort the samples by the length of their baselines."""
         del smallest
         block = samples.block
         uv = block.uvw[:, :2] * (float(block.frequency[0]) / SPEED_OF_LIGHT)
-        order = np.argsort(np.hypot(*uv.T))
         natural, factors = (
-            np.asarray(values[:, 0], float)[order] for values in (block.weights, samples.factors)
+            np.asarray(values[:, 0], float) for values in (block.weights, samples.factors)
         )
-        return CellBeam(np.ascontiguousarray(uv[order]), natural, factors, samples.scale, self.rule)
+        return CellAverageBeam.from_samples(uv, natural, factors, samples.scale, self.rule)
 
 
 @dataclass(frozen=True)
