@@ -3,7 +3,8 @@ import pytest
 
 from tests.reproduce.small_targets import check_finding, finding_of
 from tests.reproduce.surveys import sample_of
-from uvshear.reproduce.facet_residuals import _residuals
+from uvshear.constants import MICROJANSKY
+from uvshear.reproduce.facet_residuals import TOO_SMALL, _residuals, slopes_with_bad_ones
 
 
 def test_slopes_and_bad_measurements_are_beside_those_of_the_paper():
@@ -22,3 +23,22 @@ def test_residuals_are_means_in_bins_of_the_true_ellipticity():
     curve = _residuals(sample_of(measured, true), "residuals")
     assert curve.x == pytest.approx([(0.05 + 0.15 + 0.12) / 3])
     assert curve.y == pytest.approx([0.02])
+
+
+def test_bad_measurements_take_weight_from_the_slope():
+    """Without noise: half of the galaxies is faint and has a tenth of the weight of the others."""
+    rng = np.random.default_rng(3)
+    n = 4000
+    true = rng.uniform(-0.5, 0.5, n) + 1j * rng.uniform(-0.5, 0.5, n)
+    is_faint = np.arange(n) < n // 2
+    flux = np.where(is_faint, 15, 100) * MICROJANSKY
+    error = np.where(is_faint, 0.1 * 10**0.5, 0.1)[:, None] * np.ones(2)
+    sample = sample_of(0.95 * true, true, flux=flux, error=error)
+    for slope in slopes_with_bad_ones(sample, 0, rng):
+        assert slope.value == pytest.approx(0.95)
+    number = 400
+    weight = number * TOO_SMALL**2 / 10
+    others = n // 2 + (n // 2 - number) / 10
+    for slope in slopes_with_bad_ones(sample, number, rng):
+        assert slope.value == pytest.approx(0.95 * others / (others + weight), rel=0.01)
+        assert 0 < slope.error < 0.02
