@@ -30,3 +30,31 @@ def test_curves_differ_in_colour_and_marker_and_the_paper_is_a_cross() -> None:
     assert lines["ours"].get_marker() != lines["more"].get_marker()
     assert lines["the paper"].get_marker() == "x"
     assert lines["the paper"].get_linestyle() == "None"
+
+
+def test_points_of_several_curves_are_beside_one_another() -> None:
+    linear, logarithmic = draw_curves(
+        [
+            CurvePanel(
+                "x", "y", tuple(Curve(k, [1.0, 10.0], [1.0, 2.0]) for k in "abc"), is_log=log
+            )
+            for log in (False, True)
+        ]
+    ).axes
+    for ax in (linear, logarithmic):
+        places = [bars.lines[0].get_xdata() for bars in ax.containers]
+        assert places[0][0] < places[1][0] == 1.0 < places[2][0] < 1.3
+        assert places[1][1] == 10.0
+
+
+def test_what_has_errors_along_both_axes_is_not_moved() -> None:
+    curves = tuple(Curve(k, [1.0, 2.0], [1.0, 2.0], [0.1, 0.1], [0.1, 0.1]) for k in "ab")
+    (ax,) = draw_curves([CurvePanel("x", "y", curves, is_square=True)]).axes
+    assert all(list(bars.lines[0].get_xdata()) == [1.0, 2.0] for bars in ax.containers)
+    assert ax.get_aspect() == 1.0
+
+
+def test_places_have_names() -> None:
+    curve = Curve("slopes", [0.0, 1.0], [0.9, 0.95])
+    (ax,) = draw_curves([CurvePanel("component", "slope", (curve,), names=("$e_1$", "$e_2$"))]).axes
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["$e_1$", "$e_2$"]

@@ -1,5 +1,6 @@
 """Panels of points with error bars, measured here or printed in a paper, against one quantity."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -15,6 +16,9 @@ COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f0
 
 MARKERS: Final = "osD^vP"
 PAPER_COLOUR: Final = "0.25"
+
+APART: Final = 0.015
+"""Distance by which points of different curves are moved apart along the axis of x, over the width of the panel."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,10 @@ class CurvePanel:
         Heights of horizontal lines.
     is_log
         Whether the axis of x is logarithmic.
+    names
+        Names of the places 0, 1, ... along the axis of x, if these are no numbers.
+    is_square
+        Whether a unit has the same length along both axes.
     """
 
     x_label: str
@@ -68,6 +76,8 @@ class CurvePanel:
     title: str = ""
     levels: tuple[float, ...] = ()
     is_log: bool = False
+    names: tuple[str, ...] = ()
+    is_square: bool = False
 
 
 def draw_curves(panels: Sequence[CurvePanel]) -> Figure:
@@ -82,14 +92,16 @@ def _draw_panel(ax: Axes, panel: CurvePanel) -> None:
     for level in panel.levels:
         ax.axhline(level, color="0.6", lw=0.8, ls=":")
     number = 0
+    move = _Moves(panel)
     for curve in panel.curves:
         if curve.is_published:
-            colour, marker = PAPER_COLOUR, "x"
+            colour, marker, x = PAPER_COLOUR, "x", list(curve.x)
         else:
             colour, marker = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
+            x = move.points(number, curve.x)
             number += 1
         ax.errorbar(
-            list(curve.x),
+            x,
             list(curve.y),
             None if curve.error is None else list(curve.error),
             None if curve.x_error is None else list(curve.x_error),
@@ -108,5 +120,36 @@ def _draw_panel(ax: Axes, panel: CurvePanel) -> None:
         ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         ax.xaxis.set_major_formatter(FormatStrFormatter("%g"))
         ax.xaxis.set_minor_formatter(NullFormatter())
+    if panel.names:
+        ax.set_xticks(range(len(panel.names)), panel.names)
+        ax.set_xlim(-0.5, len(panel.names) - 0.5)
+        ax.minorticks_off()
+    if panel.is_square:
+        ax.set_aspect("equal", adjustable="datalim")
     if any(curve.label for curve in panel.curves):
         ax.legend(frameon=False, fontsize="small")
+
+
+class _Moves:
+    """Moves the points of the curves of a panel apart, so that their error bars do not cover one another."""
+
+    def __init__(self, panel: CurvePanel) -> None:
+        own = [curve for curve in panel.curves if not curve.is_published]
+        # Where x has errors too, or differs from curve to curve, the points lie beside one another anyway.
+        is_needed = all(curve.x_error is None and curve.x == own[0].x for curve in own)
+        self._middle = (len(own) - 1) / 2
+        self._is_log = panel.is_log
+        x = [
+            float(value)
+            for curve in panel.curves
+            for value in curve.x
+            if value > 0 or not panel.is_log
+        ]
+        ends = (-0.5, len(panel.names) - 0.5) if panel.names else (min(x), max(x))
+        width = math.log(ends[1] / ends[0]) if panel.is_log else ends[1] - ends[0]
+        self._step = APART * width if is_needed else 0.0
+
+    def points(self, number: int, x: Sequence[float]) -> list[float]:
+        """Return the places of the points of the curve of this number."""
+        shift = (number - self._middle) * self._step
+        return [value * math.exp(shift) if self._is_log else value + shift for value in x]

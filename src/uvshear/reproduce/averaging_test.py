@@ -134,7 +134,7 @@ class AveragingTest(PaperTarget):
             curves.append(
                 Curve(
                     case.words,
-                    [1.0, 2.0],
+                    [0.0, 1.0],
                     [slope.value for slope in slopes],
                     [slope.error for slope in slopes],
                     is_line=False,
@@ -153,10 +153,16 @@ class AveragingTest(PaperTarget):
                         Estimate(float(np.sqrt(np.mean(change**2)))),
                     )
                 )
-        panel = CurvePanel("component of e", "slope", tuple(curves), levels=(1.0,))
+        panel = CurvePanel(
+            "component of the ellipticity",
+            "slope",
+            tuple(curves),
+            levels=(1.0,),
+            names=("$e_1$", "$e_2$"),
+        )
         caption = (
             "Slopes of measured on true ellipticity without noise, from averages in the cells of Table 1, for galaxies"
-            " anywhere in a square degree; the slope of e1 is at 1 and that of e2 at 2."
+            " anywhere in a square degree."
         )
         remarks = (
             f"{len(true)} galaxies are seen in {self.samples} samples each, which are drawn at random from all"

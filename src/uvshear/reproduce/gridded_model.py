@@ -114,7 +114,7 @@ class GriddedModel(PaperTarget):
             curves.append(
                 Curve(
                     words,
-                    [1.0, 2.0],
+                    [0.0, 1.0],
                     [slope.value for slope in slopes],
                     [slope.error for slope in slopes],
                     is_line=False,
@@ -134,10 +134,15 @@ class GriddedModel(PaperTarget):
                 Quantity(row, own=estimate) if name == "exact" else Quantity(row, None, estimate)
                 for row, estimate in values.items()
             ]
-        panel = CurvePanel("component of e", "slope", tuple(curves), levels=(1.0,))
+        panel = CurvePanel(
+            "component of the ellipticity",
+            "slope",
+            tuple(curves),
+            levels=(1.0,),
+            names=("$e_1$", "$e_2$"),
+        )
         caption = (
-            "Slopes of measured on true ellipticity with the cells of Table 1 and three models, and with exact facets;"
-            " the slope of e1 is at 1 and that of e2 at 2."
+            "Slopes of measured on true ellipticity with the cells of Table 1 and three models, and with exact facets."
         )
         remarks = (
             f"The most likely ellipticities of {len(true)} galaxies of 10 to 200 µJy with a signal-to-noise ratio of"

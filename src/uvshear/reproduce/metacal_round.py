@@ -109,7 +109,7 @@ class MetacalRound(PaperTarget):
                     ]
         panels = [
             CurvePanel(
-                "bin of flux",
+                "flux density [µJy]",
                 f"multiplicative bias $m_{k + 1}$",
                 tuple(
                     Curve(
@@ -121,17 +121,11 @@ class MetacalRound(PaperTarget):
                     for name, bias in biases.items()
                 ),
                 levels=(0.0,),
+                names=tuple(part.name.removesuffix(" uJy") for part in biases["mean"].bins),
             )
             for k in (0, 1)
         ]
-        bins = ", ".join(
-            f"{place}: {part.name.replace('uJy', 'µJy')}"
-            for place, part in enumerate(biases["mean"].bins)
-        )
-        caption = (
-            "Multiplicative bias of the mean, and of the mean with metacalibration behind a round PSF, by flux"
-            f" ({bins})."
-        )
+        caption = "Multiplicative bias of the mean, and of the mean with metacalibration behind a round PSF, by flux."
         remarks = (
             f"{self.galaxies} galaxies with an SNR of 10 or more are measured with e and −e, and with a realisation of"
             " the noise and its negative, behind opposite shears of modulus 0.03 that change sizes as a lens does.",

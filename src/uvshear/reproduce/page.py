@@ -14,7 +14,8 @@ This page compares `uvshear` with Rivi & Miller (2018, MNRAS 476, 2053, "the pap
 `uvshear reproduce`. The column "the paper's way" has numbers that were found with the methods of the paper, as far as
 it describes them; the column "uvshear" has those of exact facets and of the converged extraction. "Pull" is the
 difference between the paper's way and the paper, divided by the error of this difference, where either has an error.
-Ellipticities, and m and c with the indices 1 and 2, are in the (l, m) frame of the phase centre, as in the paper.
+Ellipticities, and m and c with the indices 1 and 2, are in the (l, m) frame of the phase centre, as in the paper. In
+the pictures, points of several kinds at the same place are moved slightly apart along the horizontal axis.
 """
 
 

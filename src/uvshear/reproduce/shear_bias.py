@@ -169,4 +169,6 @@ def shear_panel(cut: str, biases: Mapping[str, MeanBias]) -> CurvePanel:
         )
         for words, bias in biases.items()
     ]
-    return CurvePanel("$g_1$", "$g_2$", tuple(curves), f"SNR ≥ {cut}", levels=(0.0,))
+    return CurvePanel(
+        "$g_1$", "$g_2$", tuple(curves), f"SNR ≥ {cut}", levels=(0.0,), is_square=True
+    )

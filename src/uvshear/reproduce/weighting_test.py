@@ -117,7 +117,7 @@ class WeightingTest(PaperTarget):
             curves.append(
                 Curve(
                     words,
-                    [1.0, 2.0],
+                    [0.0, 1.0],
                     [slope.value for slope in slopes],
                     [slope.error for slope in slopes],
                     is_line=False,
@@ -142,10 +142,16 @@ class WeightingTest(PaperTarget):
                         Estimate(float(np.median(ratio))),
                     ),
                 ]
-        panel = CurvePanel("component of e", "slope", tuple(curves), levels=(1.0,))
+        panel = CurvePanel(
+            "component of the ellipticity",
+            "slope",
+            tuple(curves),
+            levels=(1.0,),
+            names=("$e_1$", "$e_2$"),
+        )
         caption = (
             "Slopes of measured on true ellipticity from the same visibilities, averaged in the cells of Table 1 with"
-            " natural and with uniform weights; the slope of e1 is at 1 and that of e2 at 2."
+            " natural and with uniform weights."
         )
         remarks = (
             f"{len(true)} galaxies of 10 to 200 µJy with a signal-to-noise ratio of {self.snr:g} or more are at the"
