@@ -8,7 +8,15 @@ from uvshear.reproduce.paper_pointing import PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
 from uvshear.reproduce.registry import targets_at
 
-FEW = {"galaxies": 4, "block": 2, "with_cells": 2, "pairs": 3, "rings": 2, "samples": 30_000}
+FEW = {
+    "galaxies": 4,
+    "block": 2,
+    "with_cells": 2,
+    "pairs": 3,
+    "rings": 2,
+    "tracked": 4,
+    "samples": 30_000,
+}
 INTEGRATION = 7200.0
 
 

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from tests.reproduce.small_targets import check_finding, finding_of
+from tests.reproduce.small_targets import check_finding, finding_of, small_target
+from uvshear.reproduce.paper_pointing import ABOUT_TRANSIT, FROM_TRANSIT
 from uvshear.reproduce.shear_bias import SHEAR, SHEARS
 
 
@@ -21,3 +22,18 @@ def test_all_rows_of_single_sources_of_table_2_are_there():
     assert row.own.error > 0
     assert rows["c2, SNR ≥ 25, single source"].paper.value == -0.0007
     assert sum("rings of ten" in name for name in rows) == 2
+
+
+def test_c_of_the_track_that_begins_at_transit_is_compared_by_its_modulus():
+    rows = {row.name: row for row in finding_of("shear-bias").quantities}
+    c1, c2, modulus = (
+        rows[f"{what}, SNR ≥ 10, track that begins at transit"]
+        for what in ("c1", "c2", "modulus of c")
+    )
+    assert modulus.paper.value == pytest.approx(np.hypot(0.00655, 0.00632))
+    assert modulus.paper.error == pytest.approx(0.00048, abs=1e-5)
+    for column in ("as_paper", "own"):
+        values = [getattr(row, column).value for row in (c1, c2, modulus)]
+        assert values[2] == pytest.approx(np.hypot(*values[:2]))
+    cases = {task.survey.pointing.times for task in small_target("shear-bias").tasks().values()}
+    assert cases == {ABOUT_TRANSIT, FROM_TRANSIT}

@@ -142,7 +142,8 @@ class GriddedModel(PaperTarget):
             names=("$e_1$", "$e_2$"),
         )
         caption = (
-            "Slopes of measured on true ellipticity with the cells of Table 1 and three models, and with exact facets."
+            "Slopes of measured on true ellipticity with the cells of Table 1 and three models, and with exact"
+            " facets."
         )
         remarks = (
             f"The most likely ellipticities of {len(true)} galaxies of 10 to 200 µJy with a signal-to-noise ratio of"

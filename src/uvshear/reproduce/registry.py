@@ -57,7 +57,7 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
             ),
             "averaging": lambda seed: AveragingTest(seed, BASELINE, 40, 20),
             "shear-bias": lambda seed: ShearBias(
-                seed, PaperPointing(integration=COARSE), 8, 6, block=2
+                seed, PaperPointing(integration=COARSE), 8, 6, block=2, tracked=8
             ),
             "shear-bias-crowded": lambda seed: CrowdedShearBias(seed, 20, 1, integration=1800.0),
             "c-round": lambda seed: RoundBias(seed, COARSE, 24, 8, with_cells=8),
