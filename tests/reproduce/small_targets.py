@@ -15,6 +15,7 @@ FEW = {
     "pairs": 3,
     "rings": 2,
     "tracked": 4,
+    "fewer": 2,
     "samples": 30_000,
 }
 INTEGRATION = 7200.0

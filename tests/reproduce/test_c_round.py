@@ -1,4 +1,4 @@
-from tests.reproduce.small_targets import check_finding, finding_of
+from tests.reproduce.small_targets import check_finding, finding_of, small_target
 
 
 def test_every_case_has_its_additive_bias():
@@ -13,3 +13,19 @@ def test_the_cost_of_round_weights_is_stated():
     kept = [row for row in finding_of("c-round").quantities if row.name.startswith("information")]
     assert len(kept) == 6
     assert all(0.5 < row.own.value < 1 for row in kept)
+
+
+def test_more_galaxies_are_measured_where_c_varies_more():
+    target = small_target("c-round", galaxies=10, grown=(1.0, 2.0, 3.0), fewer=2)
+    numbers = {case: target.galaxies_of(case) for case in target.cases()}
+    assert [numbers[f"round-{distance}"] for distance in (0, 40, 60)] == [10, 20, 30]
+    assert numbers["half-0"] == numbers["roundcells-60"] == numbers["roundnoise-60"] == 2
+    assert "roundnoise-0" not in numbers
+
+
+def test_the_experiment_and_its_remark_are_there():
+    finding = finding_of("c-round")
+    names = [row.name for row in finding.quantities]
+    assert "c1 at 60 deg, SNR ≥ 10, round weights, experiment: noise as round as the PSF" in names
+    assert "c2 at 0 deg, SNR ≥ 10, half-way to round weights" in names
+    assert "does not take out c" in finding.remarks[-1]

@@ -2,8 +2,14 @@ import numpy as np
 
 from tests.reproduce.surveys import small_survey
 from uvshear.constants import ARCSEC
+from uvshear.interferometer.weighting import RoundPsf
 from uvshear.reproduce.cell_counts import FixedCount
-from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay, smallest_scale_length
+from uvshear.reproduce.facet_ways import (
+    CellFacets,
+    ExactFacetWay,
+    RoundNoise,
+    smallest_scale_length,
+)
 
 
 def test_both_ways_have_the_same_total_weight_near_the_origin():
@@ -23,3 +29,15 @@ def test_samples_are_in_the_order_of_their_baselines():
 
 def test_the_smallest_galaxies_are_two_deviations_below_the_median():
     assert smallest_scale_length(0.0, 0.5) == np.exp(-1.0)
+
+
+def test_round_noise_changes_the_noise_alone():
+    samples = small_survey(weightings=(RoundPsf(),)).samples()
+    log_median = float(np.log(2 * ARCSEC))
+    real, experiment = (
+        way.beam(samples, ARCSEC).simulator(log_median, 0.3)
+        for way in (ExactFacetWay(), RoundNoise())
+    )
+    np.testing.assert_array_equal(experiment.power, real.power)
+    assert np.abs(real.noise_power - real.power).max() > 0.01 * real.power.max()
+    assert not hasattr(experiment, "noise_power")  # its noise has the variance of its power

@@ -11,16 +11,47 @@ from uvshear.interferometer.weighting import RoundPsf, Weighting, weighted
 from uvshear.plot.curves import Curve, CurvePanel, draw_curves
 from uvshear.reproduce.additive_bias import PAIRED, AdditiveBiasTarget, additive_bias
 from uvshear.reproduce.cell_counts import TableCount
-from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay
-from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay, FacetWay, RoundNoise
+from uvshear.reproduce.finding import Estimate, Finding, Quantity, signed
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import PaperPointing
+from uvshear.reproduce.partial_weighting import PartialWeighting
 from uvshear.typing import Array
 
-WAYS = {"exact": ExactFacetWay(), "cells": CellFacets(TableCount(100))}
+EXACT, CELLS = ExactFacetWay(), CellFacets(TableCount(100))
 """Exact facets, and the paper's with 100 more cells than in Table 1, which also suit an anisotropic PSF."""
 
-WEIGHTINGS: Mapping[str, tuple[Weighting, ...]] = {"natural": (), "round": (RoundPsf(),)}
+
+@dataclass(frozen=True)
+class Case:
+    """A kind of weights and of facets.
+
+    Parameters
+    ----------
+    words
+        Name for the reader.
+    facets
+        Way to make facets.
+    weightings
+        Weightings of the visibilities.
+    """
+
+    words: str
+    facets: FacetWay
+    weightings: tuple[Weighting, ...] = ()
+
+
+CASES: Mapping[str, Case] = {
+    "natural": Case("natural weights", EXACT),
+    "round": Case("round weights", EXACT, (RoundPsf(),)),
+    "half": Case("half-way to round weights", EXACT, (PartialWeighting(RoundPsf(), 0.5),)),
+    "naturalcells": Case("natural weights", CELLS),
+    "roundcells": Case("round weights", CELLS, (RoundPsf(),)),
+    "roundnoise": Case(
+        "round weights, experiment: noise as round as the PSF", RoundNoise(), (RoundPsf(),)
+    ),
+}
+"""What is compared at each distance from the zenith; the experiment is made at the largest one."""
 
 DISC = 1.2 * ARCSEC
 """Scale length of the galaxy for which the cost of the weighting is stated [rad]."""
@@ -34,53 +65,58 @@ class RoundBias(AdditiveBiasTarget):
     ----------
     distances
         Distances of the transit from the zenith [deg].
-    with_cells
-        Number of galaxies with the paper's facets.
+    grown
+        Numbers of galaxies at these distances over ``galaxies``; c varies more from galaxy to galaxy at large ones.
+    fewer
+        Number of galaxies of the other cases: with the paper's facets, half-way, and in the experiment.
     """
 
     name = "c-round"
     title = "Additive bias behind a round PSF"
 
     distances: tuple[float, ...] = (0.0, 40.0, 60.0)
-    with_cells: int = 400
+    grown: tuple[float, ...] = (1.0, 1.2, 2.4)
+    fewer: int = 400
 
     def cases(self) -> Mapping[str, MockSurvey]:
-        """Return a survey for each distance, weighting and kind of facets."""
+        """Return a survey for each distance and case."""
         return {
-            _case(way, weighting, distance): MockSurvey(
-                WAYS[way],
+            f"{name}-{distance:g}": MockSurvey(
+                case.facets,
                 PaperPointing.from_zenith(math.radians(distance), self.integration),
-                WEIGHTINGS[weighting],
+                case.weightings,
                 seed=self.seed,
             )
-            for way in WAYS
+            for name, case in CASES.items()
             for distance in self.distances
-            for weighting in WEIGHTINGS
+            if name != "roundnoise" or distance == self.distances[-1]
         }
 
     def galaxies_of(self, case: str) -> int:
         """Return the number of galaxies of a case."""
-        return self.with_cells if case.startswith("cells") else self.galaxies
+        name, _, distance = case.partition("-")
+        if name not in {"natural", "round"}:
+            return self.fewer
+        return round(self.galaxies * self.grown[self.distances.index(float(distance))])
 
     def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
         """Compare c with and without the weighting, and state its cost."""
+        c = {case: additive_bias(found, case) for case in self.cases()}
         quantities = []
-        series: dict[str, tuple[list[Estimate], list[Estimate]]] = {
-            name: ([], []) for name in WEIGHTINGS
-        }
         for distance in self.distances:
-            for weighting in WEIGHTINGS:
-                both = {way: additive_bias(found, _case(way, weighting, distance)) for way in WAYS}
-                for part in (0, 1):
-                    series[weighting][part].append(both["exact"][part])
-                    quantities.append(
-                        Quantity(
-                            f"c{part + 1} at {distance:g} deg, SNR ≥ 10, {weighting} weights",
-                            None,
-                            both["cells"][part],
-                            both["exact"][part],
-                        )
+            for name in ("natural", "round", "half", "roundnoise"):
+                if (case := f"{name}-{distance:g}") not in c:
+                    continue
+                cells = c.get(f"{name}cells-{distance:g}", (None, None))
+                quantities += [
+                    Quantity(
+                        f"c{part + 1} at {distance:g} deg, SNR ≥ 10, {CASES[name].words}",
+                        None,
+                        cells[part],
+                        c[case][part],
                     )
+                    for part in (0, 1)
+                ]
             loss = self._loss(distance)
             quantities += [
                 Quantity(
@@ -93,36 +129,49 @@ class RoundBias(AdditiveBiasTarget):
             CurvePanel(
                 "zenith distance [deg]",
                 f"additive bias $c_{part + 1}$",
-                tuple(
-                    Curve(
-                        f"{name} weights",
-                        list(self.distances),
-                        [estimate.value for estimate in both[part]],
-                        [estimate.error or 0.0 for estimate in both[part]],
-                    )
-                    for name, both in series.items()
-                ),
+                tuple(self._curve(c, name, part) for name in ("natural", "round", "half")),
                 levels=(0.0,),
             )
             for part in (0, 1)
         ]
         caption = (
-            "Additive bias of the mean of isolated galaxies with an SNR of 10 or more, with natural weights and with"
-            " weights that make the PSF round, against the distance of the transit from the zenith; exact facets."
+            "Additive bias of the mean of isolated galaxies with an SNR of 10 or more, with natural weights, with"
+            " weights that make the PSF round, and with weights half-way between them, against the distance of the"
+            " transit from the zenith; exact facets."
         )
-        remarks = (
+        return Finding(tuple(quantities), draw_curves(panels), caption, self._remarks(c))
+
+    def _curve(self, c: Mapping[str, tuple[Estimate, Estimate]], name: str, part: int) -> Curve:
+        estimates = [c[f"{name}-{distance:g}"][part] for distance in self.distances]
+        return Curve(
+            CASES[name].words,
+            list(self.distances),
+            [estimate.value for estimate in estimates],
+            [estimate.error or 0.0 for estimate in estimates],
+        )
+
+    def _remarks(self, c: Mapping[str, tuple[Estimate, Estimate]]) -> tuple[str, ...]:
+        farthest = f"{self.distances[-1]:g}"
+        words = {
+            name: f"{signed(c[f'{name}-{farthest}'][0].value)} ± {c[f'{name}-{farthest}'][0].error:.4f}"
+            for name in ("natural", "round", "half", "roundnoise")
+        }
+        numbers = ", ".join(str(self.galaxies_of(f"natural-{each:g}")) for each in self.distances)
+        return (
             PAIRED,
-            f"There are {self.galaxies} galaxies with exact facets and {self.with_cells} with the paper's facets,"
-            " which have 100 cells more than in Table 1. The round weights remove the quadrupole of each ring of the uv"
-            f" plane; their cost is stated for a disc of {DISC / ARCSEC:g} arcsec whose flux and size are not known.",
+            f"There are {numbers} galaxies with natural and with round weights and exact facets, and {self.fewer} in"
+            " each of the other cases. The paper's facets have 100 cells more than in Table 1. The round weights remove"
+            " the quadrupole of each ring of the uv plane; their cost is stated for a disc of"
+            f" {DISC / ARCSEC:g} arcsec whose flux and size are not known.",
+            "A round PSF does not take out c. The weights multiply the natural weights w by factors T. The PSF follows"
+            " from w T, whereas the variance of the noise in the uv plane follows from w T², so that behind a round PSF"
+            f" the noise is elongated in the other direction. At {farthest} deg, c1 is {words['natural']} with natural"
+            f" weights and {words['round']} with round ones. In an experiment with noise that is as round as the PSF,"
+            f" which no data can give, it is {words['roundnoise']}. With half of the correction, the mean of 1 and T,"
+            f" the noise is round to first order, and c1 is {words['half']}.",
         )
-        return Finding(tuple(quantities), draw_curves(panels), caption, remarks)
 
     def _loss(self, distance: float) -> WeightingLoss:
         pointing = PaperPointing.from_zenith(math.radians(distance), self.integration)
-        observation = weighted(pointing.unit_visibilities(), WEIGHTINGS["round"])
+        observation = weighted(pointing.unit_visibilities(), CASES["round"].weightings)
         return weighting_loss(observation.map_baselines(), DISC, Exponential())
-
-
-def _case(way: str, weighting: str, distance: float) -> str:
-    return f"{way}-{weighting}-{distance:g}"

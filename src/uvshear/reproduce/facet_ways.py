@@ -108,6 +108,16 @@ class ExactFacetWay(FacetWay):
         return WeightedBeam(signal, noise)
 
 
+@dataclass(frozen=True)
+class RoundNoise(ExactFacetWay):
+    """Exact facets with noise whose variance is that of the weights: an experiment, which no data can give."""
+
+    def beam(self, samples: WeighedSamples, smallest: float) -> FacetBeam:
+        """Image the beam of the weights."""
+        weights = samples.block.weights * samples.factors * samples.scale
+        return MockBeam.gather(samples.with_weights(weights), _nobody(smallest), smallest)
+
+
 def _nobody(scale_length: float) -> Galaxies:
     """Return a galaxy without flux, which has the same flux at all frequencies."""
     return Galaxies(

@@ -60,7 +60,7 @@ _BY_SCALE: Final[Mapping[str, Mapping[str, Maker]]] = MappingProxyType(
                 seed, PaperPointing(integration=COARSE), 8, 6, block=2, tracked=8
             ),
             "shear-bias-crowded": lambda seed: CrowdedShearBias(seed, 20, 1, integration=1800.0),
-            "c-round": lambda seed: RoundBias(seed, COARSE, 24, 8, with_cells=8),
+            "c-round": lambda seed: RoundBias(seed, COARSE, 24, 8, fewer=8),
             "c-zenith": lambda seed: ZenithBias(seed, COARSE, 24, 8, with_cells=8),
             "c-size": lambda seed: SizeBias(seed, COARSE, 24, 8),
             "c-snapshots": lambda seed: SnapshotBias(seed, COARSE, 24, 8),
