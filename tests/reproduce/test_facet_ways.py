@@ -27,6 +27,17 @@ def test_samples_are_in_the_order_of_their_baselines():
     assert np.all(np.diff(np.hypot(*beam.uv.T)) >= 0)
 
 
+def test_cells_extend_to_the_longest_baseline_that_is_used():
+    samples = small_survey().samples()
+    whole, part = (
+        CellFacets(FixedCount(100), longest).beam(samples, ARCSEC) for longest in (1.0, 0.5)
+    )
+    reach = [float(np.hypot(*beam.uv[-1])) for beam in (whole, part)]
+    assert 0.45 < reach[1] / reach[0] <= 0.5
+    simulators = [beam.simulator(float(np.log(ARCSEC)), 0.3) for beam in (whole, part)]
+    assert simulators[1].cell == simulators[0].cell * reach[1] / reach[0]
+
+
 def test_the_smallest_galaxies_are_two_deviations_below_the_median():
     assert smallest_scale_length(0.0, 0.5) == np.exp(-1.0)
 

@@ -74,11 +74,14 @@ class CellFacets(FacetWay):
     ----------
     rule
         Rule for the number of cells.
+    longest
+        Part of the longest baseline up to which samples are used; the cells extend to there.
     """
 
     seconds = 0.035
 
     rule: CellCount
+    longest: float = 1.0
 
     def beam(self, samples: WeighedSamples, smallest: float) -> CellAverageBeam:
         """Sort the samples by the length of their baselines."""
@@ -88,7 +91,11 @@ class CellFacets(FacetWay):
         natural, factors = (
             np.asarray(values[:, 0], float) for values in (block.weights, samples.factors)
         )
-        return CellAverageBeam.from_samples(uv, natural, factors, samples.scale, self.rule)
+        length = np.hypot(*uv.T)
+        used = length <= self.longest * length.max()
+        return CellAverageBeam.from_samples(
+            uv[used], natural[used], factors[used], samples.scale, self.rule
+        )
 
 
 @dataclass(frozen=True)
