@@ -53,3 +53,14 @@ def test_other_weights_are_scaled():
     facet = CELLS.weighted_facet(np.ones(400, complex), np.full(400, 2.0), 0.25)
     np.testing.assert_allclose(facet.power, CELLS.weight / 2)
     assert facet.correlation.sum() == pytest.approx(CELLS.weight.sum() / 2)
+
+
+def test_the_distance_from_the_centre_is_that_of_the_weighted_mean():
+    factors = RNG.uniform(0.1, 3.0, 400)
+    folded = np.where(UV[:, 1:] < 0, -UV, UV)
+    sums = [np.bincount(PLACE, WEIGHT * factors * folded[:, axis]) for axis in (0, 1)]
+    means = np.column_stack(sums) / np.bincount(PLACE, WEIGHT * factors)[:, None]
+    np.testing.assert_allclose(CELLS.means_with(WEIGHT * factors), means)
+    squared = np.sum((means - CELLS.centres) ** 2, axis=1)
+    expected = np.sqrt(np.sum(CELLS.weight * squared) / np.sum(CELLS.weight)) / CELLS.side
+    assert CELLS.off_centre(WEIGHT * factors) == pytest.approx(expected)

@@ -1,5 +1,6 @@
 """Cells of the paper's facets, in which simulated visibilities with noise are averaged in different ways."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -57,10 +58,21 @@ class VisibilityCells:
 
     @cached_property
     def means(self) -> Float[Array, "cell 2"]:
-        """Mean baselines of the samples in each cell [wavelengths]."""
+        """Mean baselines of the samples in each cell, with natural weights [wavelengths]."""
+        return self.means_with(self.natural)
+
+    def means_with(self, weights: Float[Array, " sample"]) -> Float[Array, "cell 2"]:
+        """Return the mean baselines of the samples in each cell with any weights [wavelengths]."""
         # Samples below the axis of u are conjugated, which changes the sign of an imaginary value.
-        parts = [self.total(1j * axis).imag for axis in self.uv.T]
-        return np.column_stack(parts) / self.weight[:, None]
+        parts = [self.total(1j * axis, weights).imag for axis in self.uv.T]
+        return np.column_stack(parts) / self.power(weights)[:, None]
+
+    def off_centre(self, weights: Float[Array, " sample"]) -> float:
+        """Return the rms distance of these means from the centres, over the side of a cell, with natural weights."""
+        away = self.means_with(weights) - self.centres
+        return (
+            math.sqrt(float(np.average(np.sum(away**2, axis=1), weights=self.weight))) / self.side
+        )
 
     def total(
         self, values: Complex[Array, " sample"], weights: Float[Array, " sample"] | None = None
