@@ -1,5 +1,6 @@
 from pathlib import Path
 
+import pytest
 from matplotlib.figure import Figure
 
 from tests.plot.pictures import check_picture
@@ -58,3 +59,10 @@ def test_places_have_names() -> None:
     curve = Curve("slopes", [0.0, 1.0], [0.9, 0.95])
     (ax,) = draw_curves([CurvePanel("component", "slope", (curve,), names=("$e_1$", "$e_2$"))]).axes
     assert [label.get_text() for label in ax.get_xticklabels()] == ["$e_1$", "$e_2$"]
+
+
+@pytest.mark.parametrize("is_log", [False, True])
+def test_curves_may_have_no_points(is_log: bool) -> None:
+    curves = tuple(Curve(name, [], []) for name in "ab")
+    (ax,) = draw_curves([CurvePanel("x", "y", curves, is_log=is_log)]).axes
+    assert len(ax.containers) == 2

@@ -145,8 +145,12 @@ class _Moves:
             for value in curve.x
             if value > 0 or not panel.is_log
         ]
-        ends = (-0.5, len(panel.names) - 0.5) if panel.names else (min(x), max(x))
-        width = math.log(ends[1] / ends[0]) if panel.is_log else ends[1] - ends[0]
+        ends = (
+            (-0.5, len(panel.names) - 0.5)
+            if panel.names
+            else (min(x, default=0.0), max(x, default=0.0))
+        )
+        width = math.log(ends[1] / ends[0]) if panel.is_log and x else ends[1] - ends[0]
         self._step = APART * width if is_needed else 0.0
 
     def points(self, number: int, x: Sequence[float]) -> list[float]:
