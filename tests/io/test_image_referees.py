@@ -259,7 +259,7 @@ def test_averages_show_a_point_where_it_was_and_as_faint_as_their_loss_tells(tmp
         lost += float(samples.weights @ (1 - np.exp(-samples.scatter.astype(float) @ form / 2)))
         weights += float(samples.weights.sum())
     loss = lost / weights
-    assert loss > 0.01
+    assert loss > 3e-3  # three times what the images may differ by
     images = [_dirty(one, "-niter", "0") for one in (path, compact)]
     row, column = 256 + round(place[1] / (2 * ARCSEC)), 256 - round(place[0] / (2 * ARCSEC))
     for image in images:
