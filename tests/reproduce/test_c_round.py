@@ -28,4 +28,4 @@ def test_the_experiment_and_its_remark_are_there():
     names = [row.name for row in finding.quantities]
     assert "c1 at 60 deg, SNR ≥ 10, round weights, experiment: noise as round as the PSF" in names
     assert "c2 at 0 deg, SNR ≥ 10, half-way to round weights" in names
-    assert "does not take out c" in finding.remarks[-1]
+    assert "make the PSF round change c1 at 60 deg" in finding.remarks[-1]

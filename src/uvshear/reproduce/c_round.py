@@ -163,12 +163,12 @@ class RoundBias(AdditiveBiasTarget):
             " each of the other cases. The paper's facets have 100 cells more than in Table 1. The round weights remove"
             " the quadrupole of each ring of the uv plane; their cost is stated for a disc of"
             f" {DISC / ARCSEC:g} arcsec whose flux and size are not known.",
-            "A round PSF does not take out c. The weights multiply the natural weights w by factors T. The PSF follows"
-            " from w T, whereas the variance of the noise in the uv plane follows from w T², so that behind a round PSF"
-            f" the noise is elongated in the other direction. At {farthest} deg, c1 is {words['natural']} with natural"
-            f" weights and {words['round']} with round ones. In an experiment with noise that is as round as the PSF,"
-            f" which no data can give, it is {words['roundnoise']}. With half of the correction, the mean of 1 and T,"
-            f" the noise is round to first order, and c1 is {words['half']}.",
+            f"Weights that make the PSF round change c1 at {farthest} deg from {words['natural']} to {words['round']}."
+            " The weights multiply the natural weights w by factors T. The PSF follows from"
+            " w T, whereas the variance of the noise in the uv plane follows from w T², so that with a round PSF the"
+            " power of the noise is larger along the other direction. In an experiment with noise that is as round as"
+            f" the PSF, which no data can give, c1 is {words['roundnoise']}. With half of the correction, the mean of"
+            f" 1 and T, the power of the noise is isotropic to first order, and c1 is {words['half']}.",
         )
 
     def _loss(self, distance: float) -> WeightingLoss:

@@ -160,8 +160,9 @@ class FacetResiduals(PaperTarget):
 
     def _remarks(self, samples: Mapping[str, ShapeSample]) -> tuple[str, ...]:
         sentences = [
-            f"There are {self.galaxies} galaxies of 10 to 200 µJy at the phase centre, the same for all facets, with"
-            " independent noise."
+            f"There are {self.galaxies} galaxies of 10 to 200 µJy, the same for all facets, at the phase centre; those"
+            " of the paper are anywhere in the field. The noise is independent for each kind of facets; in the paper it"
+            " is the same. Bad measurements are fits that failed; those of the paper are fits with too small an error."
         ]
         for name, sample in samples.items():
             counts = np.bincount(sample.flag, minlength=len(FLAGS))
@@ -172,12 +173,12 @@ class FacetResiduals(PaperTarget):
             ]
             sentences.append(f"Flags with {WORDS[name]}: {', '.join(told) or 'none'}.")
         sentences.append(
-            "The paper's smaller slopes with facets of 600² cells, and its bad measurements, are not reproduced by the"
-            " facets alone. It describes bad measurements as those with too small an error. An experiment shows what"
-            " such measurements do if they are not all found: as many of our galaxies below"
-            f" {FAINT / MICROJANSKY:g} µJy as the paper has bad ones are given the ellipticities of one another, and"
-            f" errors that are {TOO_SMALL:g} times too small. They take weight from the others, which lowers the slope"
-            " and also its formal error, as in the paper. The factor is chosen by us; one factor suits all four slopes."
+            "The facets alone reproduce neither the paper's smaller slopes with facets of 600² cells nor its bad"
+            " measurements. It describes bad measurements as those with too small an error. An experiment shows what"
+            f" such measurements do if they are not all found: from our galaxies below {FAINT / MICROJANSKY:g} µJy we"
+            " take as many as the paper has bad measurements, exchange their measured ellipticities at random, and"
+            f" divide their errors by {TOO_SMALL:g}. They take weight from the others, which lowers the slopes. The"
+            " limit of the flux and the factor are our choices, the same for all four slopes."
         )
         return tuple(sentences)
 

@@ -298,11 +298,19 @@ def _largest_difference(quantities: Sequence[Quantity]) -> str:
         if row.name.startswith("slope") and row.as_paper is not None and row.paper is not None
     ]
     mean = sum(difference for difference, _ in pairs) / len(pairs)
+    squares = [
+        estimate.error**2
+        for _, row in pairs
+        for estimate in (row.as_paper, row.paper)
+        if estimate is not None and estimate.error is not None
+    ]
+    below = sum(difference < 0 for difference, _ in pairs)
     largest, row = max(pairs, key=lambda pair: abs(pair[0]))
     beyond = sum(abs(pull) > 2 for _, each in pairs if (pull := each.pull) is not None)
     return (
-        f"Of the {len(pairs)} slopes {beyond} differ from Table 1 by more than two errors. The mean difference is"
-        f" {signed(mean)}, and the largest {signed(largest)} ({row.name})."
+        f"Of the {len(pairs)} slopes {below} are below those of Table 1, and {beyond} differ from them by more than two"
+        f" errors. The mean difference is {signed(mean)} ± {math.sqrt(sum(squares)) / len(pairs):.4f}, and the largest"
+        f" {signed(largest)} ({row.name})."
     )
 
 
@@ -310,10 +318,11 @@ def _with_shorter_baselines(gain: Float[Array, "row 2"]) -> str:
     """Say how slopes depend on the longest baseline, which sets the width of the cells."""
     first, second = (signed(float(part)) for part in gain.mean(axis=0))
     return (
-        "The width of a facet is its number of cells over twice the longest baseline, which is not that of the paper,"
-        f" because its layout of the array is an earlier one. In an experiment without the samples beyond {SHORTER:g}"
-        f" of the longest baseline, which are one in ten thousand, the slopes without noise change by {first} (e1) and"
-        f" {second} (e2) in the mean over the bins."
+        "The width of a facet is its number of cells divided by twice the longest baseline, which is not that of the"
+        " paper, because its layout of the array is an earlier one. In an experiment without the samples beyond"
+        f" {SHORTER:g} of the longest baseline, which are one in ten thousand, the slopes without noise change by"
+        f" {first} (e1) and {second} (e2) in the mean over the bins. The longest baseline thus explains differences of"
+        " this size."
     )
 
 

@@ -12,7 +12,7 @@ from uvshear.plot.curves import Curve, CurvePanel, draw_curves
 from uvshear.reproduce.additive_bias import additive_bias
 from uvshear.reproduce.cell_counts import TableCount
 from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay
-from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.finding import Estimate, Finding, Quantity, signed
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import BASELINE, FROM_TRANSIT, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
@@ -169,32 +169,32 @@ class ShearBias(PaperTarget):
         return (
             f"{self.pairs} galaxies are measured behind each shear with e and −e, and with a realisation of the noise"
             " and its negative; the errors are those of these pairs, and much smaller than those of as many galaxies"
-            f" in a survey. For the last rows {self.rings} rings of ten galaxies have one realisation of the noise,"
-            " which is the same behind all shears. Shears change ellipticities and leave scale lengths alone, as in the"
-            " paper.",
+            f" in a survey. For the rows with rings, {self.rings} rings of ten galaxies have one realisation of the"
+            " noise, which is the same behind all shears. Shears change ellipticities and leave scale lengths alone,"
+            " as in the paper.",
             "Facets, one realisation of the noise, and a cut of rings by the measured SNR do not explain the paper's"
             f" c at an SNR of 10 or more: {_largest_c(quantities)}. The paper plots the ellipticity of its PSF against"
             " the zenith distance at the start of the observation, which is zero only for a track that begins at"
-            " transit. The PSF of such a track is elongated (see `psf-zenith`). For the last rows"
-            f" {self.tracked} galaxies are measured with it, without a shear. The modulus of c is what can be compared,"
+            " transit. The PSF of such a track is elongated (see `psf-zenith`). For the rows with this track"
+            f" {self.tracked} galaxies are measured without a shear. The modulus of c is what can be compared,"
             " because the direction of the PSF depends on the layout of the array, which has changed since.",
         )
 
 
 def _largest_c(quantities: Sequence[Quantity]) -> str:
-    """Say how far c is from zero with the track about transit."""
+    """Say how large c is at the lower cut with the track about transit."""
     about = [
-        (abs(row.as_paper.value) / row.as_paper.error, row)
+        (abs(row.as_paper.value), row.as_paper, row)
         for row in quantities
-        if row.name.startswith("c") and OTHER_TRACK not in row.name
+        if row.name.startswith("c") and "SNR ≥ 10" in row.name and OTHER_TRACK not in row.name
         if row.as_paper is not None and row.as_paper.error
     ]
     if not about:
         return "there is no measurement"
-    pull, row = max(about, key=lambda pair: pair[0])
+    _, c, row = max(about, key=lambda each: each[0])
     return (
-        f"of the {len(about)} values with the track about transit, the one that is farthest from zero is"
-        f" {pull:.1f} errors away ({row.name})"
+        f"the largest of the {len(about)} values with the track about transit is {signed(c.value)} ± {c.error:.4f}"
+        f" ({row.name})"
     )
 
 
