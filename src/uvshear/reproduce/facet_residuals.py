@@ -174,11 +174,12 @@ class FacetResiduals(PaperTarget):
             sentences.append(f"Flags with {WORDS[name]}: {', '.join(told) or 'none'}.")
         sentences.append(
             "The facets alone reproduce neither the paper's smaller slopes with facets of 600² cells nor its bad"
-            " measurements. It describes bad measurements as those with too small an error. An experiment shows what"
-            f" such measurements do if they are not all found: from our galaxies below {FAINT / MICROJANSKY:g} µJy we"
-            " take as many as the paper has bad measurements, exchange their measured ellipticities at random, and"
-            f" divide their errors by {TOO_SMALL:g}. They take weight from the others, which lowers the slopes. The"
-            " limit of the flux and the factor are our choices, the same for all four slopes."
+            " measurements. The paper describes bad measurements as those with too small an error. An experiment"
+            " shows what such measurements do if they are not all found: from our galaxies below"
+            f" {FAINT / MICROJANSKY:g} µJy we take as many as the paper has bad measurements, exchange their measured"
+            f" ellipticities at random, and divide their errors by {TOO_SMALL:g}. They take weight from the others,"
+            " which lowers the slopes. The limit of the flux and the factor are our choices, the same for all four"
+            " slopes."
         )
         return tuple(sentences)
 
