@@ -8,13 +8,14 @@ import numpy as np
 
 from uvshear.bias.isolated import FITTED
 from uvshear.constants import REFERENCE_FREQUENCY, SPECTRAL_INDEX
-from uvshear.diagnostics.slope import fit_slope
-from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+from uvshear.diagnostics.slope import Slope, fit_slope
+from uvshear.plot.curves import draw_curves
 from uvshear.reproduce.cell_counts import TableCount
 from uvshear.reproduce.finding import Estimate, Finding, Quantity
 from uvshear.reproduce.paper_pointing import BAND, BASELINE, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
 from uvshear.reproduce.random_samples import RandomSamples, Resolution
+from uvshear.reproduce.slope_panel import slope_panel
 from uvshear.reproduce.true_galaxies import TrueGalaxies, blocks_of_galaxies
 from uvshear.reproduce.visibility_cells import VisibilityCells
 from uvshear.shapes.measurement import FitFlag
@@ -123,7 +124,7 @@ class AveragingTest(PaperTarget):
         good = np.all(measured[:, :, 4] == 1, axis=1)
         true, measured = true[good], measured[good]
         quantities = []
-        curves = []
+        drawn: dict[str, list[Slope]] = {}
         for way, case in enumerate(CASES.values()):
             slopes = [
                 fit_slope(
@@ -131,15 +132,7 @@ class AveragingTest(PaperTarget):
                 )
                 for part in (0, 1)
             ]
-            curves.append(
-                Curve(
-                    case.words,
-                    [0.0, 1.0],
-                    [slope.value for slope in slopes],
-                    [slope.error for slope in slopes],
-                    is_line=False,
-                )
-            )
+            drawn[case.words] = slopes
             quantities += [
                 Quantity(f"slope of e{part + 1}, {case.words}", None, Estimate.from_slope(slope))
                 for part, slope in enumerate(slopes)
@@ -153,13 +146,6 @@ class AveragingTest(PaperTarget):
                         Estimate(float(np.sqrt(np.mean(change**2)))),
                     )
                 )
-        panel = CurvePanel(
-            "component of the ellipticity",
-            "slope",
-            tuple(curves),
-            levels=(1.0,),
-            names=("$e_1$", "$e_2$"),
-        )
         caption = (
             "Slopes of measured on true ellipticity without noise, from averages in the cells of Table 1, for galaxies"
             " anywhere in a square degree."
@@ -170,4 +156,4 @@ class AveragingTest(PaperTarget):
             f" signal-to-noise ratio of {SNR:g}. Smearing within a sample is in the data and not in the model. The"
             " spectral index is −0.7 in the data and 0 within the band in the model.",
         )
-        return Finding(tuple(quantities), draw_curves([panel]), caption, remarks)
+        return Finding(tuple(quantities), draw_curves([slope_panel(drawn)]), caption, remarks)

@@ -9,8 +9,8 @@ import numpy as np
 
 from uvshear.bias.isolated import FITTED
 from uvshear.constants import SPEED_OF_LIGHT
-from uvshear.diagnostics.slope import fit_slope
-from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+from uvshear.diagnostics.slope import Slope, fit_slope
+from uvshear.plot.curves import draw_curves
 from uvshear.reproduce.cell_counts import TableCount
 from uvshear.reproduce.cell_models import STEPS, AtPoints, Gridded, fit_cells
 from uvshear.reproduce.facet_ways import ExactFacetWay
@@ -18,6 +18,7 @@ from uvshear.reproduce.finding import Estimate, Finding, Quantity
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import BASELINE, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.reproduce.slope_panel import slope_panel
 from uvshear.reproduce.true_galaxies import TrueGalaxies, blocks_of_galaxies
 from uvshear.reproduce.visibility_cells import VisibilityCells
 from uvshear.shapes.template import Template
@@ -103,7 +104,7 @@ class GriddedModel(PaperTarget):
         fitted = np.concatenate([part["fitted"] for part in found.values()])
         exact = fitted[:, list(WAYS).index("exact")]
         quantities: list[Quantity] = []
-        curves = []
+        drawn: dict[str, list[Slope]] = {}
         for way, (name, words) in enumerate(WAYS.items()):
             slopes = [
                 fit_slope(
@@ -111,15 +112,7 @@ class GriddedModel(PaperTarget):
                 )
                 for part in (0, 1)
             ]
-            curves.append(
-                Curve(
-                    words,
-                    [0.0, 1.0],
-                    [slope.value for slope in slopes],
-                    [slope.error for slope in slopes],
-                    is_line=False,
-                )
-            )
+            drawn[words] = slopes
             values = {
                 f"slope of e{part + 1}, {words}": Estimate.from_slope(slopes[part])
                 for part in (0, 1)
@@ -134,13 +127,6 @@ class GriddedModel(PaperTarget):
                 Quantity(row, own=estimate) if name == "exact" else Quantity(row, None, estimate)
                 for row, estimate in values.items()
             ]
-        panel = CurvePanel(
-            "component of the ellipticity",
-            "slope",
-            tuple(curves),
-            levels=(1.0,),
-            names=("$e_1$", "$e_2$"),
-        )
         caption = (
             "Slopes of measured on true ellipticity with the cells of Table 1 and three models, and with exact"
             " facets."
@@ -150,4 +136,4 @@ class GriddedModel(PaperTarget):
             f" {self.snr:g} or more are compared; the fits begin at the true galaxy. The three models share the noise"
             " of the visibilities.",
         )
-        return Finding(tuple(quantities), draw_curves([panel]), caption, remarks)
+        return Finding(tuple(quantities), draw_curves([slope_panel(drawn)]), caption, remarks)

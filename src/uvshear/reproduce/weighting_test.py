@@ -8,15 +8,16 @@ import numpy as np
 
 from uvshear.bias.isolated import FITTED
 from uvshear.constants import ARCMIN, SPEED_OF_LIGHT
-from uvshear.diagnostics.slope import fit_slope
+from uvshear.diagnostics.slope import Slope, fit_slope
 from uvshear.interferometer.weighting import Uniform
-from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+from uvshear.plot.curves import draw_curves
 from uvshear.reproduce.cell_counts import TableCount
 from uvshear.reproduce.facet_ways import ExactFacetWay
 from uvshear.reproduce.finding import Estimate, Finding, Quantity
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import BASELINE, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
+from uvshear.reproduce.slope_panel import slope_panel
 from uvshear.reproduce.true_galaxies import TrueGalaxies, blocks_of_galaxies
 from uvshear.reproduce.visibility_cells import VisibilityCells
 from uvshear.shapes.measurement import FitFlag
@@ -109,7 +110,7 @@ class WeightingTest(PaperTarget):
         true, measured = true[good], measured[good]
         natural = measured[:, 0]
         quantities: list[Quantity] = []
-        curves = []
+        drawn: dict[str, list[Slope]] = {}
         for way, words in enumerate(WAYS.values()):
             slopes = [
                 fit_slope(
@@ -117,15 +118,7 @@ class WeightingTest(PaperTarget):
                 )
                 for part in (0, 1)
             ]
-            curves.append(
-                Curve(
-                    words,
-                    [0.0, 1.0],
-                    [slope.value for slope in slopes],
-                    [slope.error for slope in slopes],
-                    is_line=False,
-                )
-            )
+            drawn[words] = slopes
             quantities += [
                 Quantity(f"slope of e{part + 1}, {words}", None, Estimate.from_slope(slopes[part]))
                 for part in (0, 1)
@@ -145,13 +138,6 @@ class WeightingTest(PaperTarget):
                         Estimate(float(np.median(ratio))),
                     ),
                 ]
-        panel = CurvePanel(
-            "component of the ellipticity",
-            "slope",
-            tuple(curves),
-            levels=(1.0,),
-            names=("$e_1$", "$e_2$"),
-        )
         caption = (
             "Slopes of measured on true ellipticity from the same visibilities, averaged in the cells of Table 1 with"
             " natural and with uniform weights. Uniform weights have cells of the uv plane whose side is the inverse"
@@ -164,7 +150,7 @@ class WeightingTest(PaperTarget):
             " are at the phase centre. All ways share the noise of the visibilities.",
             self._why(),
         )
-        return Finding(tuple(quantities), draw_curves([panel]), caption, remarks)
+        return Finding(tuple(quantities), draw_curves([slope_panel(drawn)]), caption, remarks)
 
     def _why(self) -> str:
         """Say why the weighting matters, by the mean baselines of the samples in a cell."""
