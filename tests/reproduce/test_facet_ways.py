@@ -7,6 +7,7 @@ from uvshear.reproduce.cell_counts import FixedCount
 from uvshear.reproduce.facet_ways import (
     CellFacets,
     ExactFacetWay,
+    RoundCoverage,
     RoundNoise,
     smallest_scale_length,
 )
@@ -52,3 +53,21 @@ def test_round_noise_changes_the_noise_alone():
     np.testing.assert_array_equal(experiment.power, real.power)
     assert np.abs(real.noise_power - real.power).max() > 0.01 * real.power.max()
     assert not hasattr(experiment, "noise_power")  # its noise has the variance of its power
+
+
+def test_a_round_coverage_has_the_same_power_in_every_direction():
+    samples = small_survey().samples()
+    log_median = float(np.log(2 * ARCSEC))
+    real, experiment = (
+        way.beam(samples, ARCSEC).simulator(log_median, 0.3)
+        for way in (ExactFacetWay(), RoundCoverage())
+    )
+    u, v = real.uv.T
+    near = np.hypot(u, v) < 2e4
+    elongation = [
+        abs(np.sum(beam.power[near] * ((u + 1j * v) ** 2)[near]))
+        / np.sum(beam.power[near] * (u**2 + v**2)[near])
+        for beam in (real, experiment)
+    ]
+    assert elongation[0] > 0.03
+    assert elongation[1] < 0.2 * elongation[0]

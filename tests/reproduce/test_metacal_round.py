@@ -12,8 +12,8 @@ def test_both_estimators_have_m_and_c(finding):
     check_finding(finding, panels=2)
     names = {row.name for row in finding.quantities}
     assert {
-        f"{what} of {name}, all"
+        f"{what} {words}, all"
         for what in ("m1", "m2", "c1", "c2")
-        for name in ("mean", "metacal")
+        for words in ("of the mean", "with metacalibration")
     } <= names
     assert all(row.own.error >= 0 for row in finding.quantities)

@@ -43,3 +43,13 @@ def test_it_is_a_picture(target, found, tmp_path):
     figure = target.finding(found).picture
     figure.suptitle("title")
     check_picture(figure, tmp_path)
+
+
+def test_the_full_width_of_a_gaussian_is_its_own(target):
+    offset = (np.arange(256) - 128) * 0.15
+    squares = offset[:, None] ** 2 + offset[None, :] ** 2
+    widths = {"natural": 6.0, "uniform": 2.5}
+    images = {name: np.exp(-4 * math.log(2) * squares / width**2) for name, width in widths.items()}
+    finding = target.finding({name: {"image": image} for name, image in images.items()})
+    found = [row.own.value for row in finding.quantities if row.name.startswith("full width")]
+    assert found == pytest.approx(list(widths.values()), rel=0.02)

@@ -66,6 +66,8 @@ class CurvePanel:
         Whether the axis of x is logarithmic.
     names
         Names of the places 0, 1, ... along the axis of x, if these are no numbers.
+    ticks
+        Numbers on the axis of x; chosen by the range unless given.
     is_square
         Whether a unit has the same length along both axes.
     """
@@ -77,12 +79,14 @@ class CurvePanel:
     levels: tuple[float, ...] = ()
     is_log: bool = False
     names: tuple[str, ...] = ()
+    ticks: tuple[float, ...] = ()
     is_square: bool = False
 
 
-def draw_curves(panels: Sequence[CurvePanel]) -> Figure:
-    """Draw panels side by side."""
-    figure, axes = new_figure(len(panels), 5.0 * len(panels), 4.2)
+def draw_curves(panels: Sequence[CurvePanel], rows: int = 1) -> Figure:
+    """Draw panels side by side, in one row or in several that have the same number of panels."""
+    columns = len(panels) // rows
+    figure, axes = new_figure(columns, 5.0 * columns, 4.2 * rows, rows)
     for ax, panel in zip(axes, panels, strict=True):
         _draw_panel(ax, panel)
     return figure
@@ -120,6 +124,9 @@ def _draw_panel(ax: Axes, panel: CurvePanel) -> None:
         ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         ax.xaxis.set_major_formatter(FormatStrFormatter("%g"))
         ax.xaxis.set_minor_formatter(NullFormatter())
+    if panel.ticks:
+        ax.set_xticks(panel.ticks, [f"{tick:g}" for tick in panel.ticks])
+        ax.minorticks_off()
     if panel.names:
         ax.set_xticks(range(len(panel.names)), panel.names)
         ax.set_xlim(-0.5, len(panel.names) - 0.5)

@@ -50,18 +50,22 @@ def save(figure: Figure, path: Path, *, overwrite: bool = False) -> None:
         temporary.write_bytes(picture.getbuffer())
 
 
-def new_figure(columns: int, width: float, height: float) -> tuple[Figure, list[Axes]]:
-    """Make an empty figure with panels side by side.
+def new_figure(
+    columns: int, width: float, height: float, rows: int = 1
+) -> tuple[Figure, list[Axes]]:
+    """Make an empty figure with panels side by side, and return the panels of one row after those of another.
 
     Parameters
     ----------
     columns
-        Number of panels.
+        Number of panels in a row.
     width, height
         Size of the figure [inch].
+    rows
+        Number of rows.
     """
     figure = Figure(figsize=(width, height), layout="constrained")
-    axes = figure.subplots(1, columns, squeeze=False)[0]
+    axes = figure.subplots(rows, columns, squeeze=False).ravel()
     for ax in axes:
         ax.tick_params(direction="in", top=True, right=True)
     return figure, list(axes)

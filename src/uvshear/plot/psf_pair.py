@@ -4,8 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter
 
 from uvshear.constants import ARCSEC
+from uvshear.imaging.ring_means import ring_means
 from uvshear.plot.figure import BLUE, GREY
 from uvshear.typing import Array, Float
 
@@ -45,28 +47,20 @@ def draw_psf_pair(images: Mapping[str, Float[Array, "l m"]], pixel: float) -> Fi
         )
         above.invert_xaxis()
         above.set(xlabel="$l$ [arcsec]", ylabel="$m$ [arcsec]", title=f"{title} weighting")
-        distance, mean = _rings(psf, pixel)
-        below.plot(distance, mean, color=BLUE)
+        distance, mean = ring_means(psf, pixel)
+        # The central pixel has no place on a logarithmic axis.
+        below.plot(distance[1:] / ARCSEC, mean[1:], color=BLUE)
         below.axhline(0, color=GREY, lw=0.8)
         below.set(
             xlabel="distance from the centre [arcsec]",
-            ylabel="mean over the peak",
-            xlim=(0, offset[-1]),
+            ylabel="mean of ring / peak",
+            xscale="log",
+            xlim=(pixel / ARCSEC, offset[-1]),
             ylim=(-0.1, 1.05),
         )
+        below.xaxis.set_major_formatter(FormatStrFormatter("%g"))
         below.tick_params(direction="in", top=True, right=True)
     bar = figure.colorbar(shown, ax=list(axes[0]), label="PSF / peak (asinh scale)")
     ticks = TICKS[lowest <= TICKS]
     bar.set_ticks(list(np.arcsinh(ticks / SOFTENING)), labels=[f"{tick:g}" for tick in ticks])
     return figure
-
-
-def _rings(
-    psf: Float[Array, "l m"], pixel: float
-) -> tuple[Float[Array, " ring"], Float[Array, " ring"]]:
-    """Return the distance [arcsec] and the mean of each ring that lies in the image, four pixels wide."""
-    offset = np.arange(len(psf)) - len(psf) // 2
-    ring = (np.hypot(offset[:, None], offset[None, :]) / 4).astype(int)
-    count, total = np.bincount(ring.ravel()), np.bincount(ring.ravel(), psf.ravel())
-    rings = np.arange(len(psf) // 8)
-    return (rings + 0.5) * 4 * pixel / ARCSEC, total[rings] / count[rings]

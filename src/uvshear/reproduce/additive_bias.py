@@ -19,8 +19,9 @@ from uvshear.reproduce.shear_statistics import mean_bias
 from uvshear.typing import Array
 
 PAIRED = (
-    "Each galaxy is measured eight times: with e and −e, with a realisation of the noise and its negative, and all of"
-    " this turned by a right angle. Only the effect of the direction of the PSF is then left in c."
+    "Each galaxy is measured eight times: with e and −e, with a realisation of the noise and its negative, and once"
+    " more after galaxy and noise are rotated by 90 deg. All contributions to c cancel but that of the direction of the"
+    " PSF."
 )
 
 

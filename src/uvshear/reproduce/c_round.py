@@ -43,12 +43,16 @@ class Case:
 
 CASES: Mapping[str, Case] = {
     "natural": Case("natural weights", EXACT),
-    "round": Case("round weights", EXACT, (RoundPsf(),)),
-    "half": Case("half-way to round weights", EXACT, (PartialWeighting(RoundPsf(), 0.5),)),
+    "round": Case("weights for a round PSF", EXACT, (RoundPsf(),)),
+    "half": Case(
+        "half of the weighting for a round PSF", EXACT, (PartialWeighting(RoundPsf(), 0.5),)
+    ),
     "naturalcells": Case("natural weights", CELLS),
-    "roundcells": Case("round weights", CELLS, (RoundPsf(),)),
+    "roundcells": Case("weights for a round PSF", CELLS, (RoundPsf(),)),
     "roundnoise": Case(
-        "round weights, experiment: noise as round as the PSF", RoundNoise(), (RoundPsf(),)
+        "weights for a round PSF, experiment: noise as round as the PSF",
+        RoundNoise(),
+        (RoundPsf(),),
     ),
 }
 """What is compared at each distance from the zenith; the experiment is made at the largest one."""
@@ -72,7 +76,7 @@ class RoundBias(AdditiveBiasTarget):
     """
 
     name = "c-round"
-    title = "Additive bias behind a round PSF"
+    title = "Additive bias with a round PSF"
 
     distances: tuple[float, ...] = (0.0, 40.0, 60.0)
     grown: tuple[float, ...] = (1.0, 1.2, 2.4)
@@ -120,7 +124,7 @@ class RoundBias(AdditiveBiasTarget):
             loss = self._loss(distance)
             quantities += [
                 Quantity(
-                    f"information on e{part + 1} that the round weights keep at {distance:g} deg",
+                    f"fraction of the information on e{part + 1} left with weights for a round PSF at {distance:g} deg",
                     own=Estimate(loss.information[part]),
                 )
                 for part in (0, 1)
@@ -136,7 +140,7 @@ class RoundBias(AdditiveBiasTarget):
         ]
         caption = (
             "Additive bias of the mean of isolated galaxies with an SNR of 10 or more, with natural weights, with"
-            " weights that make the PSF round, and with weights half-way between them, against the distance of the"
+            " weights that make the PSF round, and with half of this weighting, against the distance of the"
             " transit from the zenith; exact facets."
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, self._remarks(c))
@@ -159,10 +163,11 @@ class RoundBias(AdditiveBiasTarget):
         numbers = ", ".join(str(self.galaxies_of(f"natural-{each:g}")) for each in self.distances)
         return (
             PAIRED,
-            f"There are {numbers} galaxies with natural and with round weights and exact facets, and {self.fewer} in"
-            " each of the other cases. The paper's facets have 100 cells more than in Table 1. The round weights remove"
-            " the quadrupole of each ring of the uv plane; their cost is stated for a disc of"
-            f" {DISC / ARCSEC:g} arcsec whose flux and size are not known.",
+            f"There are {numbers} galaxies with natural weights and with weights for a round PSF, with exact facets,"
+            f" and {self.fewer} in each of the other cases. The paper's facets have 100 cells more than in Table 1."
+            " The weights for a round PSF remove the quadrupole of each ring of the uv plane; their cost is stated"
+            f" for a disc of {DISC / ARCSEC:g} arcsec whose flux and size are not known; information is the square of"
+            " the signal-to-noise ratio of the ellipticity. For the mean c that the paper states, see `shear-bias`.",
             f"Weights that make the PSF round change c1 at {farthest} deg from {words['natural']} to {words['round']}."
             " The weights multiply the natural weights w by factors T. The PSF follows from"
             " w T, whereas the variance of the noise in the uv plane follows from w T², so that with a round PSF the"

@@ -96,9 +96,11 @@ class SizeBias(AdditiveBiasTarget):
             ),
             levels=(0.0,),
             is_log=True,
+            ticks=self.sizes,
         )
         caption = (
             f"Additive bias of the mean of isolated galaxies with a signal-to-noise ratio of {SNR:g} against their"
             f" median scale length, {self.distance:g} deg from the zenith; exact facets."
         )
-        return Finding(tuple(quantities), draw_curves([panel]), caption, (PAIRED,))
+        remark = f"There are {self.galaxies} galaxies in each case."
+        return Finding(tuple(quantities), draw_curves([panel]), caption, (PAIRED, remark))

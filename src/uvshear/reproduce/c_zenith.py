@@ -1,6 +1,7 @@
 """Target ``c-zenith``: additive bias against zenith distance at several signal-to-noise ratios (section 6)."""
 
 import math
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -15,6 +16,11 @@ from uvshear.reproduce.published_figures import PublishedFigures
 from uvshear.typing import Array
 
 WAYS = {"cells": CellFacets(FixedCount(1000)), "exact": ExactFacetWay()}
+
+WORDS = {"cells": "facets of 1000² cells", "exact": "exact facets"}
+
+PAPER_DISTANCE = 0.83
+"""Distance of the paper's declination from its zenith, -30 deg 49' 48" [deg]."""
 
 LEAST = (10.0, 15.0, 25.0, 50.0)
 """Smallest fluxes [uJy], which are also the smallest signal-to-noise ratios (see ``shear_bias``)."""
@@ -58,13 +64,13 @@ class ZenithBias(AdditiveBiasTarget):
         """Compare c at each distance."""
         printed = PublishedFigures.read(self.name)
         quantities = []
-        curves: dict[str, list[list[Estimate]]] = {"c1": [], "c2": []}
+        series: dict[tuple[str, int, float], list[Estimate]] = defaultdict(list)
         for least in LEAST:
-            series: tuple[list[Estimate], list[Estimate]] = ([], [])
             for distance in self.distances:
                 both = {way: additive_bias(found, _case(way, distance), least) for way in WAYS}
                 for part in (0, 1):
-                    series[part].append(both["exact"][part])
+                    for way in WAYS:
+                        series[way, part, least].append(both[way][part])
                     key = f"c{part + 1}_snr{least:g}"
                     is_printed = distance == 0 and key in printed.values
                     quantities.append(
@@ -75,36 +81,60 @@ class ZenithBias(AdditiveBiasTarget):
                             both["exact"][part],
                         )
                     )
-            curves["c1"].append(series[0])
-            curves["c2"].append(series[1])
-        distances = list(self.distances)
         panels = [
-            CurvePanel(
-                "zenith distance [deg]",
-                f"additive bias $c_{name[1]}$",
-                tuple(
-                    Curve(
-                        f"SNR ≥ {least:g}",
-                        distances,
-                        [estimate.value for estimate in series],
-                        [estimate.error or 0.0 for estimate in series],
-                    )
-                    for least, series in zip(LEAST, parts, strict=True)
-                ),
-                levels=(0.0,),
-            )
-            for name, parts in curves.items()
+            self._panel(way, part, {least: series[way, part, least] for least in LEAST}, printed)
+            for way in WAYS
+            for part in (0, 1)
         ]
         caption = (
-            "Additive bias of the mean of isolated galaxies against the distance of the transit from the zenith, with"
-            " exact facets, above several signal-to-noise ratios."
+            "Additive bias of the mean of isolated galaxies against the distance of the transit from the zenith, above"
+            " several signal-to-noise ratios: with facets of 1000² cells (above) and with exact facets (below)."
+            " Crosses: Table 2 for SNR ≥ 10 (the larger values) and SNR ≥ 25."
         )
         remarks = (
             PAIRED,
             f"There are {self.galaxies} galaxies with exact facets and {self.with_cells} with facets of 1000² cells."
-            " The paper's numbers are those of Table 2 for a declination of −30 deg, which is 0.7 deg from the zenith.",
+            f" The paper's numbers are those of Table 2 for a declination of −30 deg, which is {PAPER_DISTANCE:.1f}"
+            " deg from the zenith of its array.",
         )
-        return Finding(tuple(quantities), draw_curves(panels), caption, remarks)
+        return Finding(tuple(quantities), draw_curves(panels, rows=len(WAYS)), caption, remarks)
+
+    def _panel(
+        self,
+        way: str,
+        part: int,
+        series: Mapping[float, list[Estimate]],
+        printed: PublishedFigures,
+    ) -> CurvePanel:
+        """Return the panel of one component with one kind of facets."""
+        curves = [
+            Curve(
+                f"SNR ≥ {least:g}",
+                list(self.distances),
+                [estimate.value for estimate in estimates],
+                [estimate.error or 0.0 for estimate in estimates],
+            )
+            for least, estimates in series.items()
+        ]
+        if way == "cells":
+            known = [printed.estimate(f"c{part + 1}_snr{least}") for least in (10, 25)]
+            curves.append(
+                Curve(
+                    "Rivi & Miller 2018",
+                    [PAPER_DISTANCE] * len(known),
+                    [estimate.value for estimate in known],
+                    [estimate.error or 0.0 for estimate in known],
+                    is_published=True,
+                    is_line=False,
+                )
+            )
+        return CurvePanel(
+            "zenith distance [deg]",
+            f"additive bias $c_{part + 1}$",
+            tuple(curves),
+            title=WORDS[way],
+            levels=(0.0,),
+        )
 
 
 def _case(way: str, distance: float) -> str:

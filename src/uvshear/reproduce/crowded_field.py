@@ -31,6 +31,9 @@ EXTRACTIONS: Mapping[str, Extraction] = {
 }
 """The extraction of the paper with the facets of Table 1, and that of this package."""
 
+WORDS = {"paper": "the paper's way", "converged": "converged extraction"}
+"""Names of the extractions for the reader."""
+
 
 @dataclass(frozen=True)
 class CrowdedField:

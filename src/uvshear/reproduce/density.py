@@ -7,6 +7,7 @@ import numpy as np
 
 from uvshear.plot.curves import Curve, CurvePanel, draw_curves
 from uvshear.reproduce.crowded_field import EXTRACTIONS, CrowdedField
+from uvshear.reproduce.density_curves import Series, curves_of_density
 from uvshear.reproduce.finding import Estimate, Finding, Quantity
 from uvshear.reproduce.paper_pointing import PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
@@ -23,7 +24,7 @@ PAPER_DENSITY = 2.8
 
 @dataclass(frozen=True)
 class DensityTarget(PaperTarget):
-    """Slopes of galaxies that share a field, at several densities.
+    """Slopes of galaxies that are measured together in one field, at several densities.
 
     Parameters
     ----------
@@ -76,26 +77,22 @@ class DensityTarget(PaperTarget):
         """Compare slopes and bad measurements at each density."""
         printed = PublishedFigures.read(self.name)
         quantities: list[Quantity] = []
-        series: dict[str, tuple[list[Estimate], list[Estimate]]] = {
-            way: ([], []) for way in EXTRACTIONS
-        }
+        series: Series = {way: [] for way in EXTRACTIONS}
         for density in self.densities:
             samples = {way: sample_named(found, f"{way}-{density:g}") for way in EXTRACTIONS}
-            slopes = {way: sample.slopes() for way, sample in samples.items()}
+            for way, sample in samples.items():
+                first, second = (
+                    Estimate.from_slope(slopes.inverse_variance) for slopes in sample.slopes()
+                )
+                series[way].append((first, second))
             is_printed = density == PAPER_DENSITY
             for part in (0, 1):
-                both = {
-                    way: Estimate.from_slope(slopes[way][part].inverse_variance)
-                    for way in EXTRACTIONS
-                }
-                for way, estimate in both.items():
-                    series[way][part].append(estimate)
                 quantities.append(
                     Quantity(
                         f"slope of e{part + 1} at {density:g} per arcmin²",
                         printed.estimate(f"slope_e{part + 1}") if is_printed else None,
-                        both["paper"],
-                        both["converged"],
+                        series["paper"][-1][part],
+                        series["converged"][-1][part],
                     )
                 )
             quantities.append(
@@ -107,7 +104,6 @@ class DensityTarget(PaperTarget):
                 )
             )
         quantities += self._whole_field(found, printed)
-        words = {"paper": "the paper's way", "converged": "converged extraction"}
         panels = []
         for part in (0, 1):
             published = printed.estimate(f"slope_e{part + 1}")
@@ -120,15 +116,7 @@ class DensityTarget(PaperTarget):
                     is_published=True,
                 )
             ]
-            curves += [
-                Curve(
-                    words[way],
-                    list(self.densities),
-                    [estimate.value for estimate in both[part]],
-                    [estimate.error or 0.0 for estimate in both[part]],
-                )
-                for way, both in series.items()
-            ]
+            curves += curves_of_density(self.densities, series, part)
             panels.append(
                 CurvePanel(
                     "galaxies per square arcminute",
@@ -138,13 +126,16 @@ class DensityTarget(PaperTarget):
                 )
             )
         caption = (
-            "Slopes of measured on true ellipticity, with weights 1/s² (s: error), of galaxies that share a field,"
-            " against their number density."
+            "Slopes of measured on true ellipticity, with weights 1/s² (s: error), of galaxies that are measured"
+            " together in one field, against their number density."
         )
+        width = (self.galaxies / PAPER_DENSITY) ** 0.5
         remarks = (
-            f"Each density has {self.fields} fields of {self.galaxies} galaxies, in samples of {self.integration:g} s."
-            f" The field of {self.whole} galaxies has a density of {PAPER_DENSITY:g}. The noise gives a galaxy of 10"
-            " µJy a signal-to-noise ratio of 10 in each.",
+            f"Each density has {self.fields} fields of {self.galaxies} galaxies, in samples of {self.integration:g} s;"
+            f" at a density of {PAPER_DENSITY:g} such a field is {width:.0f} arcmin wide. The last rows are for one"
+            f" field of {self.whole} galaxies with the same density as the paper's, {PAPER_DENSITY:g} per square"
+            " arcminute. In all fields a galaxy of 10 µJy and of median size has a signal-to-noise ratio of 10. Bad"
+            " measurements are fits that failed; those of the paper are fits with too small an error.",
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, remarks)
 

@@ -12,6 +12,7 @@ from uvshear.bias.mock_facets import FacetBeam, MockBeam
 from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.galaxy import Galaxies
 from uvshear.interferometer.visibilities import Visibilities, VisibilitySet
+from uvshear.reproduce.ring_mean_beam import RingMeanBeam
 from uvshear.reproduce.weighted_beam import WeightedBeam
 from uvshear.typing import Array, Float
 
@@ -123,6 +124,15 @@ class RoundNoise(ExactFacetWay):
         """Image the beam of the weights."""
         weights = samples.block.weights * samples.factors * samples.scale
         return MockBeam.gather(samples.with_weights(weights), _nobody(smallest), smallest)
+
+
+@dataclass(frozen=True)
+class RoundCoverage(ExactFacetWay):
+    """Exact facets with a round coverage of the uv plane, so that PSF and noise are round: an experiment."""
+
+    def beam(self, samples: WeighedSamples, smallest: float) -> FacetBeam:
+        """Replace the power of the beam by its means over rings."""
+        return RingMeanBeam(super().beam(samples, smallest))
 
 
 def _nobody(scale_length: float) -> Galaxies:

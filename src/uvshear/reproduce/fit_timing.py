@@ -63,19 +63,19 @@ class FitTiming(PaperTarget):
         return {"wall": np.array(time.perf_counter() - start), "number": np.array(sum(done))}
 
     def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
-        """Compare times a galaxy."""
+        """Compare times per galaxy."""
         printed = PublishedFigures.read(self.name)
         seconds = {key: float(part["wall"]) / float(part["number"]) for key, part in found.items()}
         one, eight = (printed.estimate(name) for name in ("seconds_serial", "seconds_8_cores"))
         quantities = [
             Quantity(
-                "time a galaxy, one core [s]",
+                "time per galaxy, one core [s]",
                 one,
                 Estimate(seconds["cells-1"]),
                 Estimate(seconds["exact-1"]),
             ),
             Quantity(
-                "speed with eight cores over that with one, paper",
+                "speed with eight cores divided by that with one, paper",
                 Estimate(one.value / eight.value),
             ),
         ]
@@ -88,7 +88,7 @@ class FitTiming(PaperTarget):
                 estimate = Estimate(faster)
                 quantities.append(
                     Quantity(
-                        f"speed with {number} workers over that with one, {WORDS[way]}",
+                        f"speed with {number} workers divided by that with one, {WORDS[way]}",
                         None,
                         estimate if way == "cells" else None,
                         estimate if way == "exact" else None,
@@ -101,14 +101,15 @@ class FitTiming(PaperTarget):
             is_published=True,
             is_line=False,
         )
-        panel = CurvePanel("workers", "speed over that of one", (published, *curves))
+        panel = CurvePanel("workers", "speed divided by that of one worker", (published, *curves))
         caption = (
-            "Speed of measuring shapes with several workers over that with one: eight cores of an Intel Xeon E5-2650"
-            " in the paper, the cores of this machine here."
+            "Speed of measuring shapes with several workers, divided by that with one: eight cores of an Intel Xeon"
+            " E5-2650 in the paper, the cores of this machine here."
         )
         remarks = (
-            f"The time is that of drawing a facet and measuring its shape, for {self.galaxies} galaxies of 10 to"
-            " 200 µJy. Numbers depend on the machine and on what else runs on it.",
+            f"The time is that of simulating a facet and measuring its shape, for {self.galaxies} galaxies of 10 to"
+            " 200 µJy; the paper's is that of the fit alone. Numbers depend on the machine and on what else runs on"
+            " it.",
         )
         return Finding(tuple(quantities), draw_curves([panel]), caption, remarks)
 

@@ -117,7 +117,7 @@ class GriddedModel(PaperTarget):
                 f"slope of e{part + 1}, {words}": Estimate.from_slope(slopes[part])
                 for part in (0, 1)
             }
-            values[f"median error over that of exact facets, {words}"] = Estimate(
+            values[f"median error, divided by that of exact facets, {words}"] = Estimate(
                 float(np.median(fitted[:, way, 2:4] / exact[:, 2:4]))
             )
             values[f"processor time of a fit in {STEPS} steps [s], {words}"] = Estimate(

@@ -13,15 +13,15 @@ TARGETS: Final = MappingProxyType(
         "gridded-model": "the model averaged in cells as the data are (section 4.1)",
         "averaging": "samples of 30 kHz and 0.5 s averaged into one grid (section 2.1)",
         "shear-bias": "m and c of the mean of isolated galaxies (Table 2)",
-        "shear-bias-crowded": "m and c of the mean of galaxies that share a field (Table 2)",
-        "c-round": "additive bias behind a round PSF (sections 6 and 7)",
+        "shear-bias-crowded": "m and c of the mean of galaxies measured together (Table 2)",
+        "c-round": "additive bias with a round PSF (sections 6 and 7)",
         "c-zenith": "additive bias against zenith distance (section 6)",
         "c-size": "additive bias against the size of galaxies (section 6)",
         "c-snapshots": "additive bias of snapshots spread over hour angles (section 6)",
         "c-facets": "additive bias with fixed and with growing facets (section 6)",
         "density": "slopes against the density of galaxies (section 4.2)",
         "shear-density": "shear without an input shear against density (section 5)",
-        "metacal-round": "metacalibration behind an isotropic PSF (section 5)",
+        "metacal-round": "metacalibration with an isotropic PSF (section 5)",
         "timing": "time of a fit and use of several workers (section 4.2)",
     }
 )
@@ -33,7 +33,7 @@ PAPER: Final = "paper"
 SCALES: Final = MappingProxyType(
     {
         QUICK: "a few galaxies for each target, about a minute each on two cores",
-        PAPER: "the numbers of galaxies of the paper, which may take hours",
+        PAPER: "about as many galaxies as in the paper, or small enough errors; may take hours",
     }
 )
 """Scales at which a target can be run."""

@@ -9,7 +9,7 @@ import numpy as np
 from uvshear.constants import ARCMIN, ARCSEC
 from uvshear.diagnostics.psf import point_spread_function
 from uvshear.imaging import ImageGrid
-from uvshear.interferometer.psf_shape import fit_main_lobe
+from uvshear.imaging.ring_means import ring_means
 from uvshear.interferometer.weighting import Uniform, Weighting, weighted
 from uvshear.plot.psf_pair import draw_psf_pair
 from uvshear.reproduce.finding import Estimate, Finding, Quantity
@@ -59,14 +59,13 @@ class PsfImages(PaperTarget):
         inner, outer = (edge / ARCSEC for edge in self.plateau)
         quantities = []
         for name, image in images.items():
-            lobe = fit_main_lobe(image, self.grid.pixel)
             quantities += [
                 Quantity(
                     f"full width at half maximum, {name} weighting [arcsec]",
-                    own=Estimate(lobe.fwhm / ARCSEC),
+                    own=Estimate(self._full_width(image) / ARCSEC),
                 ),
                 Quantity(
-                    f"mean level at {inner:g} to {outer:g} arcsec over the peak, {name} weighting",
+                    f"mean level at {inner:g} to {outer:g} arcsec, divided by the peak, {name} weighting",
                     own=Estimate(float(image[self._ring].mean())),
                 ),
             ]
@@ -74,14 +73,25 @@ class PsfImages(PaperTarget):
             f"PSF of SKA-Mid AA4 in eight hours about transit at a declination of"
             f" {np.degrees(self.pointing.declination):.1f} deg, with natural (left) and uniform (right) weighting."
             " East is to the left. The scale is the inverse hyperbolic sine, which shows the plateau and the peak."
-            " The lower panels have the means over rings."
+            " The lower panels have the means over rings, against a logarithmic axis."
         )
         remarks = (
             f"The uniform weighting has cells of the uv plane that are the inverse of {self.field / ARCMIN:g} arcmin"
-            " wide, about the cells of the facets of Table 1; the paper does not state its cells.",
+            " wide, about the cells of the facets of Table 1; the paper does not state its cells. The full width is"
+            " that of the means over rings.",
         )
         picture = draw_psf_pair(images, self.grid.pixel)
         return Finding(tuple(quantities), picture, caption, remarks)
+
+    def _full_width(self, image: Float[Array, "l m"]) -> float:
+        """Return twice the distance at which the mean over rings falls to half of the peak [rad]."""
+        distance, mean = ring_means(image, self.grid.pixel)
+        beyond = int(np.argmax(mean < mean[0] / 2))
+        return 2 * float(
+            np.interp(
+                -mean[0] / 2, -mean[beyond - 1 : beyond + 1], distance[beyond - 1 : beyond + 1]
+            )
+        )
 
     @cached_property
     def _ring(self) -> Array:

@@ -29,15 +29,19 @@ class PsfAperture(ABC):
     ----------
     name
         Description for the reader.
-    width
-        Word for its width.
+    of_width
+        Description of one window, with a place for its width in arcsec.
     widths
         Widths that are tried [rad].
     """
 
     name: ClassVar[str]
-    width: ClassVar[str]
+    of_width: ClassVar[str]
     widths: ClassVar[tuple[float, ...]]
+
+    def words(self, width: float) -> str:
+        """Describe the window of a width [rad]."""
+        return self.of_width.format(width / ARCSEC)
 
     @abstractmethod
     def moments(
@@ -60,7 +64,7 @@ class AdaptiveGaussian(PsfAperture):
     """A Gaussian that has the ellipticity of the PSF, and a fixed area."""
 
     name = "Gaussian with the ellipticity of the PSF"
-    width = "standard deviation"
+    of_width = "Gaussian of standard deviation {:.2f} arcsec with the ellipticity of the PSF"
     widths = SIGMAS
 
     def moments(
@@ -78,7 +82,7 @@ class RoundGaussian(PsfAperture):
     """A round Gaussian."""
 
     name = "round Gaussian"
-    width = "standard deviation"
+    of_width = "round Gaussian of standard deviation {:.2f} arcsec"
     widths = SIGMAS
 
     def moments(
@@ -93,7 +97,7 @@ class UnweightedDisc(PsfAperture):
     """A disc without a weight."""
 
     name = "disc"
-    width = "radius"
+    of_width = "disc of radius {:.2f} arcsec"
     widths = EDGES
 
     def moments(
@@ -108,7 +112,7 @@ class UnweightedSquare(PsfAperture):
     """A square without a weight, as a cut image would be."""
 
     name = "square"
-    width = "half of the side"
+    of_width = "square of half-side {:.2f} arcsec"
     widths = EDGES
 
     def moments(

@@ -121,9 +121,12 @@ class PsfZenith(PaperTarget):
             " the ends of our range of distances."
         )
         first = (
-            "The moments of a PSF without an aperture are zero, and the paper does not state its aperture. For each"
-            " kind of aperture we choose the width that gives the paper's R at the zenith, and predict R at"
-            f" {degrees[-1]:.0f} deg with the same width."
+            "Far from the zenith the uv coverage is compressed along v, so that the PSF is stretched along m and its e1"
+            " decreases. The paper calls the PSF compressed along y, which is true of the uv coverage. Without an"
+            " aperture the moments are not defined, because the integral of a PSF without zero baselines is zero. The"
+            " paper does not state its aperture, nor the distance at which R is"
+            f" {large.value:g} arcsec². For each kind of aperture we choose the width that gives the paper's R at the"
+            f" zenith, and predict R at {degrees[-1]:.0f} deg with the same width."
         )
         return Finding(tuple(quantities), picture, caption, (first, *remarks), curves)
 
@@ -150,8 +153,7 @@ class PsfZenith(PaperTarget):
             at_width = [float(np.interp(chosen, width, size)) for size in sizes]
             quantities.append(
                 Quantity(
-                    f"R at {degrees[-1]:.0f} deg [arcsec²], {aperture.name} of"
-                    f" {aperture.width} {chosen / ARCSEC:.2f} arcsec, track {track}",
+                    f"R at {degrees[-1]:.0f} deg [arcsec²], {aperture.words(chosen)}, track {track}",
                     large,
                     Estimate(at_width[-1]),
                 )
@@ -159,7 +161,7 @@ class PsfZenith(PaperTarget):
             reached = SizesInApertures(degrees, np.array(at_width)).width_of(large.value)
             if math.isfinite(reached):
                 sentences.append(
-                    f"With the {aperture.name} of {aperture.width} {chosen / ARCSEC:.2f} arcsec (track {track}), R is"
+                    f"With the {aperture.words(chosen)} (track {track}), R is"
                     f" {large.value:g} arcsec² at {reached:.0f} deg."
                 )
         return quantities, sentences

@@ -52,7 +52,7 @@ SHEARS = tuple(
 
 @dataclass(frozen=True)
 class ShearBias(PaperTarget):
-    """Bias of the mean ellipticity of isolated galaxies behind eight shears.
+    """Bias of the mean ellipticity of isolated galaxies with eight shears.
 
     Parameters
     ----------
@@ -120,8 +120,8 @@ class ShearBias(PaperTarget):
         words = {"cells": "facets of Table 1", "exact": "exact facets"}
         panels = [shear_panel(cut, {words[way]: biases[cut][way] for way in WAYS}) for cut in CUTS]
         caption = (
-            "Mean ellipticities behind eight shears of modulus 0.04: the true shear (crosses), the paper's facets and"
-            " exact facets, for galaxies above a signal-to-noise ratio of 10 (left) and 25 (right)."
+            "Mean ellipticities with eight input shears of modulus 0.04 (crosses): the paper's facets and exact"
+            " facets, for galaxies above a signal-to-noise ratio of 10 (left) and 25 (right)."
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, self._remarks(quantities))
 
@@ -151,7 +151,7 @@ class ShearBias(PaperTarget):
     def _rows_of_the_other_track(
         self, found: Mapping[str, Mapping[str, Array]], printed: PublishedFigures
     ) -> list[Quantity]:
-        """Compare c behind the PSF of a track that begins at transit, and the modulus of c."""
+        """Compare c with the PSF of a track that begins at transit, and the modulus of c."""
         rows = []
         for cut in CUTS:
             c = {way: additive_bias(found, f"{LATER}-{way}", float(cut)) for way in WAYS}
@@ -167,10 +167,10 @@ class ShearBias(PaperTarget):
 
     def _remarks(self, quantities: Sequence[Quantity]) -> tuple[str, ...]:
         return (
-            f"{self.pairs} galaxies are measured behind each shear with e and −e, and with a realisation of the noise"
+            f"{self.pairs} galaxies are measured with each shear, with e and −e, and with a realisation of the noise"
             " and its negative; the errors are those of these pairs, and much smaller than those of as many galaxies"
             f" in a survey. For the rows with rings, {self.rings} rings of ten galaxies have one realisation of the"
-            " noise, which is the same behind all shears. Shears change ellipticities and leave scale lengths alone,"
+            " noise, which is the same with all shears. Shears change ellipticities and leave scale lengths alone,"
             " as in the paper.",
             "Facets, one realisation of the noise, and a cut of rings by the measured SNR do not explain the paper's"
             f" c at an SNR of 10 or more: {_largest_c(quantities)}. The paper plots the ellipticity of its PSF against"

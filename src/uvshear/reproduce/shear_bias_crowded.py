@@ -1,10 +1,10 @@
-"""Target ``shear-bias-crowded``: multiplicative and additive bias of galaxies that share a field (Table 2)."""
+"""Target ``shear-bias-crowded``: multiplicative and additive bias of galaxies measured together (Table 2)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from uvshear.plot.curves import draw_curves
-from uvshear.reproduce.crowded_field import EXTRACTIONS, CrowdedField
+from uvshear.reproduce.crowded_field import EXTRACTIONS, WORDS, CrowdedField
 from uvshear.reproduce.finding import Finding, Quantity
 from uvshear.reproduce.paper_pointing import PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
@@ -18,7 +18,7 @@ from uvshear.typing import Array
 
 @dataclass(frozen=True)
 class CrowdedShearBias(PaperTarget):
-    """Bias of the mean ellipticity of galaxies that share a field, behind eight shears.
+    """Bias of the mean ellipticity of galaxies that are measured together in one field, with eight shears.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ class CrowdedShearBias(PaperTarget):
     """
 
     name = "shear-bias-crowded"
-    title = "Shear bias of galaxies that share a field"
+    title = "Shear bias of galaxies measured together"
 
     galaxies: int = 1120
     fields: int = 9
@@ -41,7 +41,7 @@ class CrowdedShearBias(PaperTarget):
     integration: float = 900.0
 
     def tasks(self) -> Mapping[str, CrowdedField]:
-        """Return every field behind every shear, measured in two ways."""
+        """Return every field with every shear, measured in two ways."""
         pointing = PaperPointing(integration=self.integration)
         return {
             f"{way}-{field}-{shear}": CrowdedField(
@@ -87,19 +87,18 @@ class CrowdedShearBias(PaperTarget):
                             own,
                         )
                     )
-        words = {"paper": "the paper's way", "converged": "converged extraction"}
         panels = [
-            shear_panel(cut, {words[way]: bias for way, bias in found_at.items()})
+            shear_panel(cut, {WORDS[way]: bias for way, bias in found_at.items()})
             for cut, found_at in biases.items()
         ]
         caption = (
-            "Mean ellipticities of galaxies that share a field behind eight shears of modulus 0.04: the true shears"
-            " (crosses), the extraction of the paper and the converged extraction, for galaxies above a"
+            "Mean ellipticities of galaxies that are measured together in one field, with eight input shears of modulus"
+            " 0.04 (crosses): the extraction of the paper and the converged extraction, for galaxies above a"
             " signal-to-noise ratio of 10 (left) and 25 (right)."
         )
         remarks = (
             f"There are {self.fields} fields of {self.galaxies} galaxies in rings of ten, at {self.density:g} per"
-            " square arcminute. A field has the same noise behind all shears. Shears change ellipticities and leave"
+            " square arcminute. A field has the same noise with all shears. Shears change ellipticities and leave"
             " scale lengths alone, as in the paper.",
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, remarks)

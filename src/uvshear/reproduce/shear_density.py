@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from uvshear.plot.curves import Curve, CurvePanel, draw_curves
+from uvshear.plot.curves import CurvePanel, draw_curves
 from uvshear.reproduce.crowded_field import EXTRACTIONS, CrowdedField
-from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.density_curves import Series, curves_of_density
+from uvshear.reproduce.finding import Finding, Quantity
 from uvshear.reproduce.paper_pointing import PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
 from uvshear.reproduce.shape_sample import sample_named
@@ -18,7 +19,7 @@ RING = 10
 
 @dataclass(frozen=True)
 class ShearDensity(PaperTarget):
-    """Mean ellipticity of galaxies that share a field, in rings of ten.
+    """Mean ellipticity of galaxies that are measured together in one field, in rings of ten.
 
     Parameters
     ----------
@@ -64,7 +65,7 @@ class ShearDensity(PaperTarget):
     def finding(self, found: Mapping[str, Mapping[str, Array]]) -> Finding:
         """Compare the shears at each density."""
         quantities: list[Quantity] = []
-        series: dict[str, list[tuple[Estimate, Estimate]]] = {way: [] for way in EXTRACTIONS}
+        series: Series = {way: [] for way in EXTRACTIONS}
         for density in self.densities:
             for way in EXTRACTIONS:
                 series[way].append(mean_bias(sample_named(found, f"{way}-{density:g}"), (0j,)).c)
@@ -77,30 +78,22 @@ class ShearDensity(PaperTarget):
                         series["converged"][-1][part],
                     )
                 )
-        words = {"paper": "the paper's way", "converged": "converged extraction"}
         panels = [
             CurvePanel(
                 "galaxies per square arcminute",
                 f"$g_{part + 1}$",
-                tuple(
-                    Curve(
-                        words[way],
-                        list(self.densities),
-                        [both[part].value for both in estimates],
-                        [both[part].error or 0.0 for both in estimates],
-                    )
-                    for way, estimates in series.items()
-                ),
+                tuple(curves_of_density(self.densities, series, part)),
                 levels=(0.0,),
             )
             for part in (0, 1)
         ]
         caption = (
-            "Mean ellipticity of galaxies in rings of ten that share a field, without an input shear, against their"
-            " number density. Errors are from the scatter among rings."
+            "Mean ellipticity of galaxies that are measured together in one field, without an input shear, against"
+            " their number density. Errors are from the scatter among rings of ten galaxies."
         )
         remarks = (
             f"Each density has {self.fields} fields of the same width; a field has {self.galaxies} galaxies at a"
-            " density of 1.",
+            " density of 1 per square arcminute. Ten galaxies each, called a ring, have ellipticities of the same"
+            " modulus that are equally spaced in direction. In the paper the errors are from 1000 bootstrap resamples.",
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, remarks)

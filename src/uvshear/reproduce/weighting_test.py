@@ -128,12 +128,12 @@ class WeightingTest(PaperTarget):
                 ratio = measured[:, way, 2:4] / natural[:, 2:4]
                 quantities += [
                     Quantity(
-                        f"rms change of e over its natural error, {words}",
+                        f"rms change of e, divided by its error with natural averages, {words}",
                         None,
                         Estimate(float(np.sqrt(np.mean(change**2)))),
                     ),
                     Quantity(
-                        f"median error over the natural error, {words}",
+                        f"median error, divided by that with natural averages, {words}",
                         None,
                         Estimate(float(np.median(ratio))),
                     ),
