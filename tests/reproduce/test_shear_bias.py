@@ -3,7 +3,7 @@ import pytest
 
 from tests.reproduce.small_targets import check_finding, finding_of, small_target
 from uvshear.reproduce.paper_pointing import ABOUT_TRANSIT, FROM_TRANSIT
-from uvshear.reproduce.shear_bias import SHEAR, SHEARS
+from uvshear.reproduce.shear_bias import PAPER_RINGS, SHEAR, SHEARS
 
 
 def test_eight_shears_of_one_modulus_add_up_to_zero():
@@ -24,12 +24,10 @@ def test_all_rows_of_single_sources_of_table_2_are_there():
     assert sum("rings of ten" in name for name in rows) == 2
 
 
-def test_c_of_the_track_that_begins_at_transit_is_compared_by_its_modulus():
+@pytest.mark.parametrize("track", ["track about transit", "track that begins at transit"])
+def test_c_of_both_tracks_is_compared_by_its_modulus(track):
     rows = {row.name: row for row in finding_of("shear-bias").quantities}
-    c1, c2, modulus = (
-        rows[f"{what}, SNR ≥ 10, track that begins at transit"]
-        for what in ("c1", "c2", "modulus of c")
-    )
+    c1, c2, modulus = (rows[f"{what}, SNR ≥ 10, {track}"] for what in ("c1", "c2", "modulus of c"))
     assert modulus.paper.value == pytest.approx(np.hypot(0.00655, 0.00632))
     assert modulus.paper.error == pytest.approx(0.00048, abs=1e-5)
     for column in ("as_paper", "own"):
@@ -37,3 +35,15 @@ def test_c_of_the_track_that_begins_at_transit_is_compared_by_its_modulus():
         assert values[2] == pytest.approx(np.hypot(*values[:2]))
     cases = {task.survey.pointing.times for task in small_target("shear-bias").tasks().values()}
     assert cases == {ABOUT_TRANSIT, FROM_TRANSIT}
+
+
+def test_the_scatter_of_one_realisation_is_that_of_the_papers_number_of_rings():
+    finding = finding_of("shear-bias")
+    rows = {row.name: row for row in finding.quantities}
+    errors = [
+        rows[f"c{part}, SNR ≥ 10, rings of ten with one realisation of the noise"].as_paper.error
+        for part in (1, 2)
+    ]
+    rings = small_target("shear-bias").rings
+    expected = np.sqrt(np.mean(np.square(errors)) * rings / PAPER_RINGS)
+    assert f"would scatter by {expected:.4f}." in finding.remarks[1]

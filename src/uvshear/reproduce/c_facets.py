@@ -8,7 +8,7 @@ from uvshear.plot.curves import Curve, CurvePanel, draw_curves
 from uvshear.reproduce.additive_bias import PAIRED, AdditiveBiasTarget, additive_bias
 from uvshear.reproduce.cell_counts import TableCount
 from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay, FacetWay
-from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.finding import Estimate, Finding, Quantity, signed
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import PaperPointing
 from uvshear.typing import Array
@@ -97,8 +97,12 @@ class FacetBias(AdditiveBiasTarget):
             " transit from the zenith, with the facets of Table 1 at all distances, with facets that grow, and with"
             " exact facets."
         )
+        farthest = f"{self.distances[-1]:g}"
+        fixed, growing = (series[name][0][-1] for name in ("fixed", "growing"))
         remark = (
-            f"There are {self.galaxies} galaxies in each case. Numbers for the large facets of 1000² cells are in"
+            f"With the facets of Table 1 and with growing ones c1 differs by {signed(fixed.value - growing.value)} ±"
+            f" {math.hypot(fixed.error or 0.0, growing.error or 0.0):.4f} at {farthest} deg."
+            f" There are {self.galaxies} galaxies in each case. Numbers for the large facets of 1000² cells are in"
             " `c-zenith`."
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, (PAIRED, remark))
