@@ -66,3 +66,28 @@ def test_curves_may_have_no_points(is_log: bool) -> None:
     curves = tuple(Curve(name, [], []) for name in "ab")
     (ax,) = draw_curves([CurvePanel("x", "y", curves, is_log=is_log)]).axes
     assert len(ax.containers) == 2
+
+
+def test_rows_have_the_same_number_of_panels() -> None:
+    curve = (Curve("points", [0.0, 1.0], [0.9, 0.95]),)
+    panels = [CurvePanel("x", f"y{number}", curve) for number in range(4)]
+    figure = draw_curves(panels, rows=2)
+    assert [ax.get_ylabel() for ax in figure.axes] == ["y0", "y1", "y2", "y3"]
+    left = [ax.get_position().x0 for ax in figure.axes]
+    assert left[0] == left[2] < left[1] == left[3]
+
+
+def test_panels_may_have_a_common_range() -> None:
+    panels = [CurvePanel("x", "y", (Curve("", [0.0, 1.0], y),)) for y in ([0.0, 1.0], [-3.0, 0.5])]
+    apart, common = (draw_curves(panels, has_common_y=choice) for choice in (False, True))
+    assert apart.axes[0].get_ylim() != apart.axes[1].get_ylim()
+    low, high = common.axes[0].get_ylim()
+    assert (low, high) == common.axes[1].get_ylim()
+    assert low < -3.0
+    assert high > 1.0
+
+
+def test_ticks_may_be_given() -> None:
+    curve = Curve("sizes", [0.6, 2.5], [0.0, 1.0])
+    (ax,) = draw_curves([CurvePanel("x", "y", (curve,), is_log=True, ticks=(0.6, 2.5))]).axes
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["0.6", "2.5"]

@@ -83,12 +83,26 @@ class CurvePanel:
     is_square: bool = False
 
 
-def draw_curves(panels: Sequence[CurvePanel], rows: int = 1) -> Figure:
-    """Draw panels side by side, in one row or in several that have the same number of panels."""
+def draw_curves(
+    panels: Sequence[CurvePanel], rows: int = 1, *, has_common_y: bool = False
+) -> Figure:
+    """Draw panels side by side.
+
+    Parameters
+    ----------
+    rows
+        Number of rows, which have the same number of panels.
+    has_common_y
+        Whether all panels have the same range of y.
+    """
     columns = len(panels) // rows
     figure, axes = new_figure(columns, 5.0 * columns, 4.2 * rows, rows)
     for ax, panel in zip(axes, panels, strict=True):
         _draw_panel(ax, panel)
+    if has_common_y:
+        limits = [ax.get_ylim() for ax in axes]
+        for ax in axes:
+            ax.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
     return figure
 
 

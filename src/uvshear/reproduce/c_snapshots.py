@@ -103,6 +103,7 @@ class SnapshotBias(AdditiveBiasTarget):
                         [(psf.real, psf.imag)[part]],
                         [bias[part].value],
                         [bias[part].error or 0.0],
+                        is_line=False,
                     )
                     for words, (psf, bias) in zip(WORDS.values(), points, strict=True)
                 ),

@@ -114,6 +114,7 @@ class DensityTarget(PaperTarget):
                     [published.value],
                     [published.error or 0.0],
                     is_published=True,
+                    is_line=False,
                 )
             ]
             curves += curves_of_density(self.densities, series, part)

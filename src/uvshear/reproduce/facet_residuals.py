@@ -135,7 +135,12 @@ class FacetResiduals(PaperTarget):
             " galaxies of 10 to 200 µJy: with facets of 600² cells (left) and with those of Table 1 (right), each"
             " beside exact facets."
         )
-        return Finding(tuple(quantities), draw_curves(panels), caption, self._remarks(samples))
+        return Finding(
+            tuple(quantities),
+            draw_curves(panels, has_common_y=True),
+            caption,
+            self._remarks(samples),
+        )
 
     def _bad(self, sample: ShapeSample) -> Estimate:
         """Return the number of bad measurements, scaled to 1000 galaxies."""
