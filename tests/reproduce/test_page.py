@@ -23,6 +23,8 @@ TARGET = ReproducedTarget(
         (Estimate(0.97741, 0.00254), "0.9774 ± 0.0025"),
         (Estimate(-0.0904, 0.0186), "−0.090 ± 0.019"),
         (Estimate(14.83), "14.83"),
+        (Estimate(14.9991), "15.00"),
+        (Estimate(600.0), "600"),
         (Estimate(123.4, 25.0), "123 ± 25"),
         (Estimate(8.7e-8), "8.7e-08"),
         (Estimate(float("nan"), 0.1), ""),

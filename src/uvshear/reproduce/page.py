@@ -75,7 +75,8 @@ def written(estimate: Estimate | None) -> str:
         return ""
     value, error = estimate.value, estimate.error
     if error is None or not math.isfinite(error) or error <= 0:
-        return _signed(f"{value:.4g}")
+        # A final zero is a digit like others, except in a count.
+        return _signed(f"{value:.4g}" if value.is_integer() else f"{value:#.4g}")
     decimals = max(0, 1 - math.floor(math.log10(error)))
     return f"{_signed(f'{value:.{decimals}f}')} ± {error:.{decimals}f}"
 
