@@ -153,7 +153,10 @@ class MetacalRound(PaperTarget):
             )
             for k in (0, 1)
         ]
-        caption = "Multiplicative bias of the mean, and of the mean with metacalibration, which has a round PSF, by flux."
+        caption = (
+            "Multiplicative bias of the mean, and of the mean with metacalibration, which has a round PSF, by flux of"
+            " the galaxies."
+        )
         metacal, experiment = (
             " and ".join(
                 f"c{k + 1} = {signed((1, -1)[k] * float(biases[name].c[k]))} ± {float(biases[name].c_err[k]):.4f}"
