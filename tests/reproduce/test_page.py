@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from uvshear.reproduce.finding import Estimate, Quantity
@@ -26,7 +28,7 @@ TARGET = ReproducedTarget(
         (Estimate(14.9991), "15.00"),
         (Estimate(600.0), "600"),
         (Estimate(123.4, 25.0), "123 ± 25"),
-        (Estimate(8.7e-8), "8.7e-08"),
+        (Estimate(8.7e-8), "8.700e-08"),
         (Estimate(float("nan"), 0.1), ""),
         (None, ""),
     ],
@@ -41,7 +43,10 @@ def test_a_section_has_the_numbers_of_both_the_picture_and_the_remarks(tmp_path)
     assert "![The PSF](psf-zenith.png)" in page
     assert "*A picture.*" in page
     assert "First. Second." in page
-    assert "scale `quick`, seed 1, 2 min on one core" in page
+    assert "(`psf-zenith`, scale `quick`, seed 1, 2 min on one core)" in page
+    assert "2 min on one core, commit 0123456789)" in page_of(
+        [replace(TARGET, commit="0123456789")]
+    )
     path = tmp_path / "index.md"
     write_page(path, [TARGET])
     assert path.read_text() == page

@@ -1,5 +1,6 @@
 """The page in the documentation is the one that follows from the numbers beside it."""
 
+import re
 from pathlib import Path
 
 from uvshear.reproduce.names import PAPER, TARGETS
@@ -23,4 +24,5 @@ def test_the_page_has_the_numbers_of_its_records():
 def test_the_targets_were_run_at_the_scale_of_the_paper_and_have_their_pictures():
     for target in _targets():
         assert target.scale == PAPER
+        assert re.fullmatch("[0-9a-f]{10}", target.commit)
         assert (PLACE / target.picture).exists()

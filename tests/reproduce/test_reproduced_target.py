@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import pytest
 from matplotlib.figure import Figure
@@ -19,6 +20,8 @@ def test_what_is_written_is_read_again(tmp_path):
     path = tmp_path / "psf-images.json"
     write_json(path, target.record())
     assert ReproducedTarget.read(path) == target
+    write_json(path, target.record() | {"commit": "0123456789"}, overwrite=True)
+    assert ReproducedTarget.read(path) == replace(target, commit="0123456789")
 
 
 @pytest.mark.parametrize("record", [{}, {"target": "psf-images"}, {"quantities": 3}])

@@ -49,7 +49,7 @@ def _section(target: ReproducedTarget) -> str:
     lines = [
         f"## {target.title}\n",
         f"The paper, {published.where}: {published.claim}\n",
-        f"(`{target.name}`, scale `{target.scale}`, seed {target.seed}, {_duration(target.seconds)} on one core)\n",
+        f"({', '.join(_origin(target))})\n",
     ]
     if target.quantities:
         lines += [_table(target.quantities), ""]
@@ -57,6 +57,17 @@ def _section(target: ReproducedTarget) -> str:
     if target.remarks:
         lines.append(" ".join(target.remarks) + "\n")
     return "\n".join(lines)
+
+
+def _origin(target: ReproducedTarget) -> list[str]:
+    """Say how the numbers of a target were found."""
+    known = [
+        f"`{target.name}`",
+        f"scale `{target.scale}`",
+        f"seed {target.seed}",
+        f"{_duration(target.seconds)} on one core",
+    ]
+    return [*known, f"commit {target.commit}"] if target.commit else known
 
 
 def _table(quantities: Sequence[Quantity]) -> str:

@@ -35,6 +35,8 @@ class ReproducedTarget:
         What the picture shows.
     remarks
         Sentences on the method and the differences.
+    commit
+        Commit of the program that wrote the record, for the documentation; empty if it is not known.
     """
 
     name: str
@@ -46,6 +48,7 @@ class ReproducedTarget:
     picture: str
     caption: str
     remarks: tuple[str, ...]
+    commit: str = ""
 
     @classmethod
     def from_finding(
@@ -99,6 +102,7 @@ class ReproducedTarget:
                 record["picture"],
                 record["caption"],
                 tuple(record["remarks"]),
+                record.get("commit", ""),
             )
         except (KeyError, TypeError, ValueError) as error:
             raise InputError(
