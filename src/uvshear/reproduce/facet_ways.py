@@ -38,6 +38,19 @@ class WeighedSamples:
     factors: Float[Array, "row 1"]
     scale: float
 
+    @property
+    def uv(self) -> Float[Array, "row 2"]:
+        """Baselines [wavelengths]."""
+        uv: Float[Array, "row 2"] = self.block.uvw[:, :2] * (
+            float(self.block.frequency[0]) / SPEED_OF_LIGHT
+        )
+        return uv
+
+    @property
+    def natural(self) -> Float[Array, " row"]:
+        """Natural weights [Jy^-2]."""
+        return np.asarray(self.block.weights[:, 0], float)
+
     def with_weights(self, weights: Float[Array, "row 1"]) -> VisibilitySet:
         """Return the observation with other weights."""
         return replace(self.seen, blocks=(replace(self.block, weights=weights),))
@@ -87,11 +100,8 @@ class CellFacets(FacetWay):
     def beam(self, samples: WeighedSamples, smallest: float) -> CellAverageBeam:
         """Sort the samples by the length of their baselines."""
         del smallest
-        block = samples.block
-        uv = block.uvw[:, :2] * (float(block.frequency[0]) / SPEED_OF_LIGHT)
-        natural, factors = (
-            np.asarray(values[:, 0], float) for values in (block.weights, samples.factors)
-        )
+        uv, natural = samples.uv, samples.natural
+        factors = np.asarray(samples.factors[:, 0], float)
         length = np.hypot(*uv.T)
         used = length <= self.longest * length.max()
         return CellAverageBeam.from_samples(

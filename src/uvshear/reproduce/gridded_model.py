@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from uvshear.bias.isolated import FITTED
-from uvshear.constants import SPEED_OF_LIGHT
 from uvshear.diagnostics.slope import Slope, fit_slope
 from uvshear.plot.curves import draw_curves
 from uvshear.reproduce.cell_counts import TableCount
@@ -65,8 +64,7 @@ class GriddedModel(PaperTarget):
         survey = MockSurvey(ExactFacetWay(), self.pointing, snr=self.snr, seed=self.seed)
         samples = survey.samples()
         beam = survey.experiment().beam
-        uv = samples.block.uvw[:, :2] * (float(samples.block.frequency[0]) / SPEED_OF_LIGHT)
-        natural = np.asarray(samples.block.weights[:, 0], float)
+        uv, natural = samples.uv, samples.natural
         rng = np.random.default_rng([self.seed, first])
         true = TrueGalaxies.draw(survey.population, number, rng)
         fitted = np.full((number, len(WAYS), 5), np.nan)

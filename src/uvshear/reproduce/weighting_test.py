@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from uvshear.bias.isolated import FITTED
-from uvshear.constants import ARCMIN, SPEED_OF_LIGHT
+from uvshear.constants import ARCMIN
 from uvshear.diagnostics.slope import Slope, fit_slope
 from uvshear.interferometer.weighting import Uniform
 from uvshear.plot.curves import draw_curves
@@ -70,8 +70,7 @@ class WeightingTest(PaperTarget):
         first, number = task
         survey = MockSurvey(ExactFacetWay(), self.pointing, snr=self.snr, seed=self.seed)
         samples = survey.samples()
-        uv = samples.block.uvw[:, :2] * (float(samples.block.frequency[0]) / SPEED_OF_LIGHT)
-        natural = np.asarray(samples.block.weights[:, 0], float)
+        uv, natural = samples.uv, samples.natural
         factors, scales = {}, {}
         for name, field in FIELDS.items():
             weighed = MockSurvey(
@@ -157,8 +156,7 @@ class WeightingTest(PaperTarget):
         samples = MockSurvey(
             ExactFacetWay(), self.pointing, (Uniform(FIELDS["2"]),), snr=self.snr, seed=self.seed
         ).samples()
-        uv = samples.block.uvw[:, :2] * (float(samples.block.frequency[0]) / SPEED_OF_LIGHT)
-        natural = np.asarray(samples.block.weights[:, 0], float)
+        uv, natural = samples.uv, samples.natural
         cells = VisibilityCells(uv, natural, FACET)
         first, second = (
             cells.off_centre(weights) for weights in (natural, natural * samples.factors[:, 0])
