@@ -64,6 +64,17 @@ def test_a_second_run_uses_the_parts_and_writes_the_same_page(tmp_path, small):
     assert len(small) == 5
 
 
+def test_the_progress_is_that_of_the_parts_that_are_missing(tmp_path, small):
+    seen = {"first": [], "second": []}
+    _run(tmp_path, progress=lambda *work: seen["first"].append(work))
+    (tmp_path / "parts" / "psf-images" / "uniform.npz").unlink()
+    _run(tmp_path, progress=lambda *work: seen["second"].append(work))
+    whole, half = (seen[run][-1][1] for run in seen)
+    assert len(small) == 3
+    assert half == pytest.approx(whole / 2)
+    assert len(seen["second"]) < len(seen["first"])
+
+
 def test_parts_of_other_options_are_refused(tmp_path):
     _run(tmp_path)
     with pytest.raises(InputError, match="scale was quick and is paper now; give another") as told:
