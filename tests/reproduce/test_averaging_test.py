@@ -1,4 +1,7 @@
+from dataclasses import fields
+
 from tests.reproduce.small_targets import check_finding, finding_of
+from uvshear.reproduce.averaging_test import CASES, WIDENING, SamplingCase
 
 
 def test_fine_samples_give_the_shapes_of_the_paper_s_samples():
@@ -10,3 +13,21 @@ def test_fine_samples_give_the_shapes_of_the_paper_s_samples():
         if row.name.startswith("rms change")
     }
     assert changes["30 kHz and 0.5 s"] < changes["1 MHz and 8 s"]
+
+
+def test_the_experiments_differ_from_fine_samples_in_one_thing_each():
+    fine = CASES["fine"]
+    for name in ("unsmeared", "flat", "wide"):
+        changed = [
+            field.name
+            for field in fields(SamplingCase)
+            if getattr(CASES[name], field.name) != getattr(fine, field.name)
+        ]
+        assert len(changed) == 2  # its words, and what is changed
+    assert 1.1 < WIDENING < 1.12
+
+
+def test_a_spectral_index_of_the_galaxies_and_the_width_of_facets_change_the_slopes_little():
+    rows = {row.name: row.as_paper for row in finding_of("averaging").quantities}
+    for name in ("unsmeared", "flat", "wide"):
+        assert abs(rows[f"slope of e1, {CASES[name].words}"].value - 1) < 0.2

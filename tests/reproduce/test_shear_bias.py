@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from tests.reproduce.small_targets import check_finding, finding_of, small_target
-from uvshear.reproduce.paper_pointing import ABOUT_TRANSIT, FROM_TRANSIT
+from uvshear.reproduce.paper_pointing import ABOUT_TRANSIT, FROM_TRANSIT, UNTIL_TRANSIT
 from uvshear.reproduce.shear_bias import PAPER_RINGS, SHEAR, SHEARS
 
 
@@ -34,7 +34,7 @@ def test_c_of_both_tracks_is_compared_by_its_modulus(track):
         values = [getattr(row, column).value for row in (c1, c2, modulus)]
         assert values[2] == pytest.approx(np.hypot(*values[:2]))
     cases = {task.survey.pointing.times for task in small_target("shear-bias").tasks().values()}
-    assert cases == {ABOUT_TRANSIT, FROM_TRANSIT}
+    assert cases == {ABOUT_TRANSIT, FROM_TRANSIT, UNTIL_TRANSIT}
 
 
 def test_the_scatter_of_one_realisation_is_that_of_the_papers_number_of_rings():

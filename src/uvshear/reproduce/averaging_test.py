@@ -40,21 +40,40 @@ class SamplingCase:
         Channels and integrations; their smearing is part of the data and not of the model.
     is_smeared
         Whether samples are averages; otherwise each is at the middle of its channel and integration.
+    spectral_index
+        Spectral index of the galaxies; the model has 0 within the band.
+    widening
+        Factor of the number of cells along a side.
     """
 
     words: str
     resolution: Resolution
     is_smeared: bool = True
+    spectral_index: float = SPECTRAL_INDEX
+    widening: float = 1.0
 
+
+FINE = Resolution(30e3, 0.5)
+
+WIDENING = 2 * BAND[1] / (BAND[0] + BAND[1])
+"""Longest baseline of the band over that in its middle, both in wavelengths."""
 
 CASES: Mapping[str, SamplingCase] = {
     "paper": SamplingCase(
         "one channel and 60 s, not smeared", Resolution(BAND[1] - BAND[0], 60.0), False
     ),
-    "fine": SamplingCase("30 kHz and 0.5 s", Resolution(30e3, 0.5)),
+    "fine": SamplingCase("30 kHz and 0.5 s", FINE),
     "medium": SamplingCase("100 kHz and 2 s", Resolution(100e3, 2.0)),
     "coarse": SamplingCase("1 MHz and 8 s", Resolution(1e6, 8.0)),
+    "unsmeared": SamplingCase("30 kHz and 0.5 s, experiment: not smeared", FINE, False),
+    "flat": SamplingCase(
+        "30 kHz and 0.5 s, experiment: spectral index 0", FINE, spectral_index=0.0
+    ),
+    "wide": SamplingCase(
+        "30 kHz and 0.5 s, experiment: facets as wide as with one channel", FINE, widening=WIDENING
+    ),
 }
+"""What is compared; the experiments see the samples of the second case."""
 
 
 @dataclass(frozen=True)
@@ -93,25 +112,27 @@ class AveragingTest(PaperTarget):
         true = TrueGalaxies.draw(Population(), number, rng)
         directions = rng.uniform(-self.half_width, self.half_width, (number, 2))
         drawn = {
-            name: RandomSamples.draw(self.pointing, case.resolution, self.samples, rng)
-            for name, case in CASES.items()
+            resolution: RandomSamples.draw(self.pointing, resolution, self.samples, rng)
+            for resolution in dict.fromkeys(case.resolution for case in CASES.values())
         }
         measured = np.full((number, len(CASES), 5), np.nan)
         for k in range(number):
             galaxy = true.galaxy(k)
             prior = true.prior(k)
             count = TableCount().cells(math.exp(prior.log_scale_length))
-            for way, (name, case) in enumerate(CASES.items()):
-                samples = drawn[name]
+            for way, case in enumerate(CASES.values()):
+                samples = drawn[case.resolution]
                 l, m = directions[k].tolist()
                 visibilities = Template(samples.uv_from(l, m), FITTED).model(galaxy)
-                middle = (samples.frequency / REFERENCE_FREQUENCY) ** SPECTRAL_INDEX
+                middle = (samples.frequency / REFERENCE_FREQUENCY) ** case.spectral_index
                 visibilities = visibilities * (middle / np.mean(middle))
                 if case.is_smeared:
                     visibilities = visibilities * samples.kept(l, m)
                 power = float(np.sum(np.abs(visibilities) ** 2))
                 natural = np.full(len(visibilities), SNR**2 / power)
-                cells = VisibilityCells(samples.uv_from(l, m), natural, count)
+                cells = VisibilityCells(
+                    samples.uv_from(l, m), natural, 2 * round(count * case.widening / 2)
+                )
                 shape = measure_shape(cells.natural_facet(visibilities), prior, FITTED)
                 error = np.sqrt(np.diag(shape.covariance))
                 measured[k, way] = (*shape.ellipticity, *error, shape.flag is FitFlag.OK)

@@ -27,6 +27,9 @@ ABOUT_TRANSIT: Final = ((-4 * 3600.0, 4 * 3600.0),)
 FROM_TRANSIT: Final = ((0.0, 8 * 3600.0),)
 """Eight hours that begin at transit."""
 
+UNTIL_TRANSIT: Final = ((-8 * 3600.0, 0.0),)
+"""Eight hours that end at transit."""
+
 
 @dataclass(frozen=True)
 class PaperPointing:
