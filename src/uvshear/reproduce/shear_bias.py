@@ -204,7 +204,7 @@ class ShearBias(PaperTarget):
         ]
         printed = rows[f"modulus of c, SNR ≥ 10, {TRACK_WORDS['later']}"].paper
         alike = [
-            words
+            f"the {words}"
             for words in TRACK_WORDS.values()
             if all(_has_the_sign(rows[f"c{part}, SNR ≥ 10, {words}"]) for part in (1, 2))
         ]
@@ -224,7 +224,7 @@ class ShearBias(PaperTarget):
             " shears share the noise, which it does not say. A cut by the measured SNR: it changes c1 and c2 of these"
             f" rings by {' and '.join(change)}. The track: the modulus is {of_track('later')} if it begins at transit,"
             f" and {of_track('earlier')} if it ends there; the paper's is {_written(printed)}. Both"
-            f" c1 and c2 have the paper's signs with {'the ' + ' and the '.join(alike) if alike else 'none of these tracks'}.",
+            f" c1 and c2 have the paper's signs with {' and '.join(alike) or 'none of these tracks'}.",
             "For such tracks speaks that the paper plots the ellipticity of its PSF against the zenith distance at the"
             " start of the observation. Against them speaks that their PSF has an ellipticity of modulus 0.3 near the"
             " zenith (see `psf-zenith`), whereas the paper calls its PSF slightly anisotropic.",
