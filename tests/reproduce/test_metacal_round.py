@@ -9,7 +9,7 @@ def finding():
 
 
 def test_both_estimators_have_m_and_c(finding):
-    check_finding(finding, panels=2)
+    check_finding(finding, panels=4)
     names = {row.name for row in finding.quantities}
     assert {
         f"{what} {words}, all"

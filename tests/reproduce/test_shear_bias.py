@@ -47,3 +47,9 @@ def test_the_scatter_of_one_realisation_is_that_of_the_papers_number_of_rings():
     rings = small_target("shear-bias").rings
     expected = np.sqrt(np.mean(np.square(errors)) * rings / PAPER_RINGS)
     assert f"would scatter by {expected:.4f}." in finding.remarks[1]
+
+
+def test_the_distribution_of_fluxes_gives_the_paper_s_number_of_bright_sources():
+    (row,) = (row for row in finding_of("shear-bias").quantities if "25 µJy" in row.name)
+    assert row.paper.value == 5810
+    assert row.as_paper.value == pytest.approx(5810, abs=10)

@@ -148,7 +148,11 @@ def _draw_panel(ax: Axes, panel: CurvePanel) -> None:
     if panel.is_square:
         ax.set_aspect("equal", adjustable="datalim")
     if any(curve.label for curve in panel.curves):
-        ax.legend(frameon=False, fontsize="small")
+        # The points of a square panel lie on a circle, within which there is room.
+        if panel.is_square:
+            ax.legend(loc="center", fontsize="small")
+        else:
+            ax.legend(frameon=False, fontsize="small")
 
 
 class _Moves:

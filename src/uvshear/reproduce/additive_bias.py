@@ -19,9 +19,9 @@ from uvshear.reproduce.shear_statistics import mean_bias
 from uvshear.typing import Array
 
 PAIRED = (
-    "Each galaxy is measured eight times: with e and −e, with a realisation of the noise and its negative, and once"
-    " more after galaxy and noise are rotated by 90 deg. All contributions to c cancel but that of the direction of the"
-    " PSF."
+    "Each galaxy is measured with e and −e, with a realisation of the noise and its negative, and all four again with"
+    " galaxy and noise rotated by 90 deg, which makes eight. In the mean, only those contributions to c remain that"
+    " have a fixed direction, such as that of the PSF."
 )
 
 

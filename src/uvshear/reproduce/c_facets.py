@@ -78,24 +78,26 @@ class FacetBias(AdditiveBiasTarget):
         panels = [
             CurvePanel(
                 "zenith distance [deg]",
-                f"additive bias $c_{part + 1}$",
+                "additive bias",
                 tuple(
                     Curve(
-                        words,
+                        f"$c_{part + 1}$, {words}",
                         list(self.distances),
-                        [estimate.value for estimate in series[name][part]],
-                        [estimate.error or 0.0 for estimate in series[name][part]],
+                        [estimate.value for estimate in series[way][part]],
+                        [estimate.error or 0.0 for estimate in series[way][part]],
                     )
-                    for name, words in FACETS.items()
+                    for way, words in ((name, "cells"), ("exact", FACETS["exact"]))
+                    for part in (0, 1)
                 ),
+                FACETS[name],
                 levels=(0.0,),
             )
-            for part in (0, 1)
+            for name in ("fixed", "growing")
         ]
         caption = (
             "Additive bias of the mean of isolated galaxies with an SNR of 10 or more against the distance of the"
-            " transit from the zenith, with the facets of Table 1 at all distances, with facets that grow, and with"
-            " exact facets."
+            " transit from the zenith, with the facets of Table 1 at all distances (left) and with facets that grow"
+            " (right), each beside exact facets."
         )
         farthest = f"{self.distances[-1]:g}"
         fixed, growing = (series[name][0][-1] for name in ("fixed", "growing"))
@@ -105,4 +107,6 @@ class FacetBias(AdditiveBiasTarget):
             f" There are {self.galaxies} galaxies in each case. Numbers for the large facets of 1000² cells are in"
             " `c-zenith`."
         )
-        return Finding(tuple(quantities), draw_curves(panels), caption, (PAIRED, remark))
+        return Finding(
+            tuple(quantities), draw_curves(panels, has_common_y=True), caption, (PAIRED, remark)
+        )

@@ -121,12 +121,13 @@ class RoundBias(AdditiveBiasTarget):
                     )
                     for part in (0, 1)
                 ]
-            loss = self._loss(distance)
             quantities += [
                 Quantity(
-                    f"fraction of the information on e{part + 1} left with weights for a round PSF at {distance:g} deg",
+                    f"fraction of the information on e{part + 1} at {distance:g} deg, {CASES[name].words}",
                     own=Estimate(loss.information[part]),
                 )
+                for name in ("round", "half")
+                for loss in (self._loss(distance, name),)
                 for part in (0, 1)
             ]
         panels = [
@@ -143,7 +144,9 @@ class RoundBias(AdditiveBiasTarget):
             " weights that make the PSF round, and with half of this weighting, against the distance of the"
             " transit from the zenith; exact facets."
         )
-        return Finding(tuple(quantities), draw_curves(panels), caption, self._remarks(c))
+        return Finding(
+            tuple(quantities), draw_curves(panels, has_common_y=True), caption, self._remarks(c)
+        )
 
     def _curve(self, c: Mapping[str, tuple[Estimate, Estimate]], name: str, part: int) -> Curve:
         estimates = [c[f"{name}-{distance:g}"][part] for distance in self.distances]
@@ -160,23 +163,35 @@ class RoundBias(AdditiveBiasTarget):
             name: f"{signed(c[f'{name}-{farthest}'][0].value)} ± {c[f'{name}-{farthest}'][0].error:.4f}"
             for name in ("natural", "round", "half", "roundnoise")
         }
+        nearest = f"{self.distances[0]:g}"
+        moduli = {name: _modulus(c[f"{name}-{nearest}"]) for name in ("natural", "round", "half")}
+        distances = ", ".join(f"{each:g}" for each in self.distances)
         numbers = ", ".join(str(self.galaxies_of(f"natural-{each:g}")) for each in self.distances)
         return (
             PAIRED,
-            f"There are {numbers} galaxies with natural weights and with weights for a round PSF, with exact facets,"
-            f" and {self.fewer} in each of the other cases. The paper's facets have 100 cells more than in Table 1."
-            " The weights for a round PSF remove the quadrupole of each ring of the uv plane; their cost is stated"
-            f" for a disc of {DISC / ARCSEC:g} arcsec whose flux and size are not known; information is the square of"
-            " the signal-to-noise ratio of the ellipticity. For the mean c that the paper states, see `shear-bias`.",
+            f"With exact facets, natural weights and weights for a round PSF have {numbers} galaxies at"
+            f" {distances} deg; all other cases have {self.fewer}. The paper's facets have 100 cells more than in"
+            " Table 1. The weights for a round PSF remove the quadrupole of each ring of the uv plane. The fraction of"
+            " the information, the square of the signal-to-noise ratio of the ellipticity, is that of a disc of"
+            f" {DISC / ARCSEC:g} arcsec whose flux and size are not known.",
+            f"At {nearest} deg the modulus of c is {moduli['natural']} with natural weights, {moduli['round']} with"
+            f" weights for a round PSF, and {moduli['half']} with half of this weighting.",
             f"Weights that make the PSF round change c1 at {farthest} deg from {words['natural']} to {words['round']}."
             " The weights multiply the natural weights w by factors T. The PSF follows from"
             " w T, whereas the variance of the noise in the uv plane follows from w T², so that with a round PSF the"
             " power of the noise is larger along the other direction. In an experiment with noise that is as round as"
-            f" the PSF, which no data can give, c1 is {words['roundnoise']}. With half of the correction, the mean of"
+            f" the PSF, which no data can give, c1 is {words['roundnoise']}. With half of the weighting, the mean of"
             f" 1 and T, the power of the noise is isotropic to first order, and c1 is {words['half']}.",
         )
 
-    def _loss(self, distance: float) -> WeightingLoss:
+    def _loss(self, distance: float, case: str) -> WeightingLoss:
         pointing = PaperPointing.from_zenith(math.radians(distance), self.integration)
-        observation = weighted(pointing.unit_visibilities(), CASES["round"].weightings)
+        observation = weighted(pointing.unit_visibilities(), CASES[case].weightings)
         return weighting_loss(observation.map_baselines(), DISC, Exponential())
+
+
+def _modulus(c: tuple[Estimate, Estimate]) -> str:
+    """Write the modulus of c1 + i c2."""
+    modulus = math.hypot(c[0].value, c[1].value)
+    error = math.hypot(*(each.value * (each.error or 0.0) for each in c)) / max(modulus, 1e-30)
+    return f"{modulus:.4f} ± {error:.4f}"

@@ -299,19 +299,22 @@ def _largest_difference(quantities: Sequence[Quantity]) -> str:
         if row.name.startswith("slope") and row.as_paper is not None and row.paper is not None
     ]
     mean = sum(difference for difference, _ in pairs) / len(pairs)
-    squares = [
-        estimate.error**2
-        for _, row in pairs
-        for estimate in (row.as_paper, row.paper)
-        if estimate is not None and estimate.error is not None
-    ]
+    in_print, here = (
+        [estimate.error or 0.0 for _, row in pairs if (estimate := getattr(row, way)) is not None]
+        for way in ("paper", "as_paper")
+    )
+    # Our bins have the same random numbers; only those of e1 and e2 are independent.
+    error = math.hypot(
+        math.sqrt(sum(each**2 for each in in_print)) / len(pairs),
+        sum(here) / len(here) / math.sqrt(2),
+    )
     below = sum(difference < 0 for difference, _ in pairs)
     largest, row = max(pairs, key=lambda pair: abs(pair[0]))
     beyond = sum(abs(pull) > 2 for _, each in pairs if (pull := each.pull) is not None)
     return (
         f"Of the {len(pairs)} slopes {below} are below those of Table 1, and {beyond} differ from them by more than two"
-        f" errors. The mean difference is {signed(mean)} ± {math.sqrt(sum(squares)) / len(pairs):.4f}, and the largest"
-        f" {signed(largest)} ({row.name})."
+        f" errors. The mean difference is {signed(mean)} ± {error:.4f}, and the largest {signed(largest)} ({row.name})."
+        " Our bins share their random numbers, so that their differences are not independent."
     )
 
 
@@ -322,8 +325,8 @@ def _with_shorter_baselines(gain: Float[Array, "row 2"]) -> str:
         "The width of a facet is its number of cells divided by twice the longest baseline, which is not that of the"
         " paper, because its layout of the array is an earlier one. In an experiment without the samples beyond"
         f" {SHORTER:g} of the longest baseline, which are one in ten thousand, the slopes without noise change by"
-        f" {first} (e1) and {second} (e2) in the mean over the bins. The longest baseline thus explains differences of"
-        " this size."
+        f" {first} (e1) and {second} (e2) in the mean over the bins. A somewhat shorter longest baseline would thus"
+        " remove such differences; that of the paper's array is not stated."
     )
 
 
@@ -331,14 +334,14 @@ def _means_in_print(published: Sequence[Sequence[Estimate]]) -> str:
     """Say which mean slopes the paper has with its cells."""
     means = [(first.value + second.value) / 2 for first, second in zip(*published, strict=True)]
     return (
-        f"The paper's own mean slopes of e1 and e2 with its cells are {min(means):.3f} to {max(means):.3f}, so that"
-        f" 0.97 needs other numbers of cells. A slope of {LOWER:g} is searched for as well, because uniform weights do"
+        f"The paper's own mean slopes of e1 and e2 with its cells are {min(means):.3f} to {max(means):.3f}."
+        f" A slope of {LOWER:g} is searched for as well, because uniform weights do"
         " not reach 0.97 in all bins."
     )
 
 
 def _if_reached(cells: float) -> Estimate | None:
-    return Estimate(cells) if math.isfinite(cells) else None
+    return Estimate(float(round(cells))) if math.isfinite(cells) else None
 
 
 def _compared(

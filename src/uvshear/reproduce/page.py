@@ -10,15 +10,17 @@ from uvshear.reproduce.published_figures import PublishedFigures
 from uvshear.reproduce.reproduced_target import ReproducedTarget
 
 INTRODUCTION = """\
-This page compares `uvshear` with Rivi & Miller (2018, MNRAS 476, 2053, "the paper"). It was written by
-`uvshear reproduce`. The column "the paper's way" has numbers that were found with the methods of the paper, as far as
-it describes them; the column "uvshear" has those of exact facets and of the converged extraction. "Pull" is the
-difference between the paper's way and the paper, divided by the error of this difference, if at least one of the two
-has an error. Exact facets are not averages in cells: the model is compared with all visibilities of a source. The
-converged extraction subtracts the models of all sources again and again, until they no longer change. The array is
-SKA-Mid AA4, whereas the paper has an earlier layout. Tracks are eight hours about transit unless another one is named.
-The samples of the paper are 60 s long; here they are, at the scale `paper`, 900 s long except in `psf-images`,
-`psf-zenith`, `averaging` and one field of `density`. The noise is scaled such that signal-to-noise ratios are the same.
+This page compares `uvshear` with Rivi & Miller (2018, MNRAS 476, 2053, "the paper"). It was written by `uvshear
+reproduce`. The column "the paper's way" has numbers that were found with the methods of the paper, as far as it
+describes them; the column "uvshear" has those of exact facets and of the converged extraction, and numbers of which
+there is only one kind. "Pull" is the difference between the paper's way and the paper, divided by the error of this
+difference, if at least one of the two has an error. Exact facets are not averages in cells: the model is compared with
+all visibilities of a source. The converged extraction subtracts the models of all sources again and again, until they
+no longer change. The array is SKA-Mid AA4, whereas the paper has an earlier layout. Tracks are eight hours about
+transit unless another one is named. The samples of the paper are 60 s long; here they are, at the scale `paper`, 900 s
+long except in `psf-images`, `psf-zenith`, `averaging` and one field of `density`. The noise is scaled such that
+signal-to-noise ratios are the same. The zenith is at a declination of −30.7 deg, so that targets at −30 deg are 0.7 deg
+from it. Each target draws its own galaxies; the same quantity may therefore differ by its error between targets.
 Ellipticities, and m and c with the indices 1 and 2, are in the (l, m) frame of the phase centre, as in the paper. In
 the pictures, points of several kinds at the same place are moved slightly apart along the horizontal axis.
 """
@@ -93,7 +95,12 @@ def written(estimate: Estimate | None) -> str:
 
 
 def _signed(text: str) -> str:
-    return text.replace("-", "−") if "e" not in text else text
+    if "e" in text:
+        return text
+    # A number that is rounded to zero has no sign.
+    return (
+        text.replace("-", "−") if any(digit in text for digit in "123456789") else text.lstrip("+-")
+    )
 
 
 def _duration(seconds: float) -> str:

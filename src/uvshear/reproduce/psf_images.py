@@ -73,12 +73,12 @@ class PsfImages(PaperTarget):
             f"PSF of SKA-Mid AA4 in eight hours about transit at a declination of"
             f" {np.degrees(self.pointing.declination):.1f} deg, with natural (left) and uniform (right) weighting."
             " East is to the left. The scale is the inverse hyperbolic sine, which shows the plateau and the peak."
-            " The lower panels have the means over rings, against a logarithmic axis."
+            " The lower panels have the means over rings, against the logarithm of the distance."
         )
         remarks = (
             f"The uniform weighting has cells of the uv plane that are the inverse of {self.field / ARCMIN:g} arcmin"
-            " wide, about the cells of the facets of Table 1; the paper does not state its cells. The full width is"
-            " that of the means over rings.",
+            " wide, as the cells of the largest facets of Table 1; the paper does not state its cells. The full width"
+            " is that of the means over rings.",
         )
         picture = draw_psf_pair(images, self.grid.pixel)
         return Finding(tuple(quantities), picture, caption, remarks)

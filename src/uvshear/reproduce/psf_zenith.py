@@ -84,9 +84,9 @@ class PsfZenith(PaperTarget):
         degrees = [math.degrees(distance) for distance in self.distances]
         for track in TRACKS:
             gaussian = self._values(found, track, 0)[:, -1]
-            for k, values in enumerate((gaussian[:, 0], gaussian[:, 1], gaussian[:, 2])):
-                scaled = values / ARCSEC**2 if k == 2 else values
-                curve = Curve(track, degrees, scaled.tolist())
+            sizes = self._sizes_as_in_print(found, track, small.value)
+            for k, values in enumerate((gaussian[:, 0], gaussian[:, 1], sizes)):
+                curve = Curve(track, degrees, values.tolist())
                 panels[k] = (*panels[k], curve)
                 curves[f"{track}, {('e1', 'e2', 'R [arcsec2]')[k]}"] = curve.y
             for name, place in (("the zenith", 0), (f"{degrees[-1]:.0f} deg", -1)):
@@ -110,15 +110,20 @@ class PsfZenith(PaperTarget):
         names = ("$e_1$ of the PSF", "$e_2$ of the PSF", r"$R$ [arcsec$^2$]")
         picture = draw_curves(
             [
-                CurvePanel("zenith distance [deg]", name, (*panel, *((published,) * (k == 2))))
+                CurvePanel(
+                    "zenith distance of the transit [deg]",
+                    name,
+                    (*panel, *((published,) * (k == 2))),
+                )
                 for k, (name, panel) in enumerate(zip(names, panels, strict=True))
             ]
         )
         caption = (
             "Ellipticity and size of the PSF with natural weighting against the distance of the transit from the"
-            f" zenith, for tracks of eight hours. The moments have a Gaussian weight of {WEIGHT_SIGMA / ARCSEC:g}"
-            " arcsec that has the ellipticity of the PSF. Crosses: the range of R that the paper states, drawn at"
-            " the ends of our range of distances."
+            f" zenith, for tracks of eight hours. The moments have a Gaussian weight with the ellipticity of the PSF;"
+            f" its standard deviation is {WEIGHT_SIGMA / ARCSEC:g} arcsec for the ellipticity, and for R that with"
+            " which R at the zenith is the paper's. Crosses: the range of R that the paper states, drawn at the ends of"
+            " our range of distances."
         )
         first = (
             "Far from the zenith the uv coverage is compressed along v, so that the PSF is stretched along m and its e1"
@@ -165,6 +170,16 @@ class PsfZenith(PaperTarget):
                     f" {large.value:g} arcsec² at {reached:.0f} deg."
                 )
         return quantities, sentences
+
+    def _sizes_as_in_print(
+        self, found: Mapping[str, Mapping[str, Array]], track: str, at_zenith: float
+    ) -> Float[Array, " distance"]:
+        """Return R with the Gaussian that gives the paper's R at the zenith, if one does [arcsec^2]."""
+        width = np.array(APERTURES[0].widths)
+        sizes = self._values(found, track, 0)[:, :-1, 2] / ARCSEC**2
+        chosen = SizesInApertures(width, sizes[0]).width_of(at_zenith)
+        chosen = chosen if math.isfinite(chosen) else WEIGHT_SIGMA
+        return np.array([np.interp(chosen, width, size) for size in sizes])
 
     def _values(
         self, found: Mapping[str, Mapping[str, Array]], track: str, aperture: int

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from uvshear.constants import MICROJANSKY
+from uvshear.galaxy import PowerLawFlux
 from uvshear.plot.curves import Curve, CurvePanel, draw_curves
 from uvshear.reproduce.additive_bias import additive_bias
 from uvshear.reproduce.cell_counts import TableCount
@@ -135,6 +136,7 @@ class ShearBias(PaperTarget):
                             own,
                         )
                     )
+        quantities.append(_bright_sources(printed))
         quantities += self._rows_of_rings(found, printed)
         for track in TRACKS:
             quantities += self._rows_of_track(found, printed, track)
@@ -229,6 +231,18 @@ class ShearBias(PaperTarget):
             " start of the observation. Against them speaks that their PSF has an ellipticity of modulus 0.3 near the"
             " zenith (see `psf-zenith`), whereas the paper calls its PSF slightly anisotropic.",
         )
+
+
+def _bright_sources(printed: PublishedFigures) -> Quantity:
+    """Compare the number of sources above the higher cut, of which the paper states the number."""
+    distribution = PowerLawFlux()
+    flux = np.geomspace(CUTS["25"], distribution.maximum, 10_001)
+    above_cut = float(np.trapezoid(distribution.density(flux), flux))
+    return Quantity(
+        "sources above 25 µJy, of 10⁴ with the paper's distribution of fluxes",
+        printed.estimate("sources_snr25"),
+        Estimate(float(round(1e4 * above_cut))),
+    )
 
 
 def _written(estimate: Estimate | None) -> str:
