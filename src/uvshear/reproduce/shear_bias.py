@@ -11,9 +11,15 @@ from uvshear.constants import MICROJANSKY
 from uvshear.galaxy import PowerLawFlux
 from uvshear.plot.curves import Curve, CurvePanel, draw_curves
 from uvshear.reproduce.additive_bias import additive_bias
+from uvshear.reproduce.causes_of_c import (
+    MEASURED_CUT,
+    ONE_REALISATION,
+    TRACK_WORDS,
+    causes_of_c,
+)
 from uvshear.reproduce.cell_counts import TableCount
 from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay
-from uvshear.reproduce.finding import Estimate, Finding, Quantity, signed
+from uvshear.reproduce.finding import Estimate, Finding, Quantity
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import (
     ABOUT_TRANSIT,
@@ -44,20 +50,6 @@ fluxes."""
 
 TRACKS = {"about": ABOUT_TRANSIT, "later": FROM_TRANSIT, "earlier": UNTIL_TRANSIT}
 """Tracks of the parts without a shear, by the beginning of their names."""
-
-TRACK_WORDS = {
-    "about": "track about transit",
-    "later": "track that begins at transit",
-    "earlier": "track that ends at transit",
-}
-"""Ends of the names of the rows of these parts."""
-
-ONE_REALISATION = "rings of ten with one realisation of the noise"
-MEASURED_CUT = "the same, cut by the measured SNR"
-"""Ends of the names of the rows of rings."""
-
-PAPER_RINGS = 1000
-"""Number of rings of ten galaxies in the paper, about 10⁴ galaxies."""
 
 SHEAR = 0.04
 ORIENTATIONS = 8
@@ -189,44 +181,15 @@ class ShearBias(PaperTarget):
         return rows
 
     def _remarks(self, quantities: Sequence[Quantity]) -> tuple[str, ...]:
-        rows = {row.name: row for row in quantities}
-
-        def of_track(track: str) -> str:
-            row = rows[f"modulus of c, SNR ≥ 10, {TRACK_WORDS[track]}"]
-            return f"{_written(row.as_paper)} with the paper's facets and {_written(row.own)} with exact ones"
-
-        one, cut = (
-            [rows[f"c{part}, SNR ≥ 10, {words}"].as_paper for part in (1, 2)]
-            for words in (ONE_REALISATION, MEASURED_CUT)
-        )
-        change = [
-            signed(after.value - before.value)
-            for before, after in zip(one, cut, strict=True)
-            if before is not None and after is not None
-        ]
-        printed = rows[f"modulus of c, SNR ≥ 10, {TRACK_WORDS['later']}"].paper
-        alike = [
-            f"the {words}"
-            for words in TRACK_WORDS.values()
-            if all(_has_the_sign(rows[f"c{part}, SNR ≥ 10, {words}"]) for part in (1, 2))
-        ]
-        expected = _scatter(one) * math.sqrt(self.rings / PAPER_RINGS)
         return (
             "The cuts are those of the catalogue's flux, 10 and 25 µJy, at which a galaxy of median size has these"
-            " SNRs."
-            f" {self.pairs} galaxies are measured with each shear, with e and −e, and with a realisation of the noise"
-            " and its negative; the errors are those of these groups of four, in which shape noise cancels. For the"
-            f" rows with rings, {self.rings} rings of ten galaxies have one realisation of the noise, which is the same"
-            " with all shears. Shears change ellipticities and leave scale lengths alone, as in the paper.",
-            f"For the rows of the tracks {self.tracked} galaxies are measured without a shear, eight times each: also"
-            " rotated by 90 deg, together with their noise. Four causes of the paper's c at an SNR of 10 or more are"
-            f" tried. Its facets: with the track about transit the modulus of c is {of_track('about')}. One"
-            f" realisation of the noise: by the errors of our {self.rings} rings, c of {PAPER_RINGS} rings as in the"
-            f" paper would scatter by {expected:.4f}. The paper's errors do not contain this scatter if its eight"
-            " shears share the noise, which it does not say. A cut by the measured SNR: it changes c1 and c2 of these"
-            f" rings by {' and '.join(change)}. The track: the modulus is {of_track('later')} if it begins at transit,"
-            f" and {of_track('earlier')} if it ends there; the paper's is {_written(printed)}. Both"
-            f" c1 and c2 have the paper's signs with {' and '.join(alike) or 'none of these tracks'}.",
+            f" SNRs. {self.pairs} galaxies are measured with each shear, with e and −e, and with a realisation of the"
+            " noise and its negative; the errors are those of these groups of four, in which shape noise cancels. For"
+            f" the rows with rings, {self.rings} rings of ten galaxies have one realisation of the noise, which is the"
+            " same with all shears. Shears change ellipticities and leave scale lengths alone, as in the paper. For the"
+            f" rows of the tracks {self.tracked} galaxies are measured without a shear, eight times each: also rotated"
+            " by 90 deg, together with their noise.",
+            causes_of_c(quantities, self.rings),
             "For such tracks speaks that the paper plots the ellipticity of its PSF against the zenith distance at the"
             " start of the observation. Against them speaks that their PSF has an ellipticity of modulus 0.3 near the"
             " zenith (see `psf-zenith`), whereas the paper calls its PSF slightly anisotropic.",
@@ -243,23 +206,6 @@ def _bright_sources(printed: PublishedFigures) -> Quantity:
         printed.estimate("sources_snr25"),
         Estimate(float(round(1e4 * above_cut))),
     )
-
-
-def _written(estimate: Estimate | None) -> str:
-    return "unknown" if estimate is None else f"{estimate.value:.4f} ± {estimate.error or 0.0:.4f}"
-
-
-def _has_the_sign(row: Quantity) -> bool:
-    """Whether a number in the paper's way has the sign of that in the paper."""
-    if row.paper is None or row.as_paper is None:
-        return False
-    return row.as_paper.value * row.paper.value > 0
-
-
-def _scatter(estimates: Sequence[Estimate | None]) -> float:
-    """Return the rms error of some estimates."""
-    errors = [estimate.error for estimate in estimates if estimate is not None and estimate.error]
-    return math.sqrt(sum(error**2 for error in errors) / max(len(errors), 1))
 
 
 def _modulus(c1: Estimate, c2: Estimate) -> Estimate:
