@@ -91,3 +91,10 @@ def test_ticks_may_be_given() -> None:
     curve = Curve("sizes", [0.6, 2.5], [0.0, 1.0])
     (ax,) = draw_curves([CurvePanel("x", "y", (curve,), is_log=True, ticks=(0.6, 2.5))]).axes
     assert [label.get_text() for label in ax.get_xticklabels()] == ["0.6", "2.5"]
+
+
+def test_seven_curves_can_be_told_apart() -> None:
+    curves = tuple(Curve(name, [0.0], [1.0]) for name in "abcdefg")
+    (ax,) = draw_curves([CurvePanel("x", "y", curves)]).axes
+    looks = {(bars.lines[0].get_color(), bars.lines[0].get_marker()) for bars in ax.containers}
+    assert len(looks) == 7

@@ -14,7 +14,9 @@ from uvshear.plot.figure import new_figure
 COLOURS: Final = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 """Colours of Okabe and Ito, which colour-blind readers can tell apart."""
 
-MARKERS: Final = "osD^vP"
+MARKERS: Final = "osD^vP*"
+"""One more than colours, so that the seventh curve has the colour of the first but not its marker."""
+
 PAPER_COLOUR: Final = "0.25"
 
 APART: Final = 0.015
@@ -152,7 +154,8 @@ def _draw_panel(ax: Axes, panel: CurvePanel) -> None:
         if panel.is_square:
             ax.legend(loc="center", fontsize="small")
         else:
-            ax.legend(frameon=False, fontsize="small")
+            # The ground of the legend hides lines that would strike through its text.
+            ax.legend(edgecolor="none", fontsize="small")
 
 
 class _Moves:
