@@ -1,19 +1,23 @@
 """Target ``shear-bias-crowded``: multiplicative and additive bias of galaxies measured together (Table 2)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from uvshear.plot.curves import draw_curves
+from uvshear.reproduce.causes_of_c import TRACK_WORDS
 from uvshear.reproduce.crowded_field import EXTRACTIONS, WORDS, CrowdedField
 from uvshear.reproduce.finding import Finding, Quantity
-from uvshear.reproduce.paper_pointing import PaperPointing
+from uvshear.reproduce.paper_pointing import UNTIL_TRANSIT, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
 from uvshear.reproduce.published_figures import PublishedFigures
-from uvshear.reproduce.shape_sample import ShapeSample
+from uvshear.reproduce.shape_sample import ShapeSample, sample_named
 from uvshear.reproduce.shear_bias import CUTS, SHEARS, above, shear_panel
 from uvshear.reproduce.shear_density import RING
 from uvshear.reproduce.shear_statistics import MeanBias, mean_bias
 from uvshear.typing import Array
+
+EARLIER = "earlier"
+"""Beginning of the names of parts with a track that ends at transit."""
 
 
 @dataclass(frozen=True)
@@ -41,9 +45,10 @@ class CrowdedShearBias(PaperTarget):
     integration: float = 900.0
 
     def tasks(self) -> Mapping[str, CrowdedField]:
-        """Return every field with every shear, measured in two ways."""
+        """Return every field with every shear, and without one with another track, measured in two ways."""
         pointing = PaperPointing(integration=self.integration)
-        return {
+        other = replace(pointing, times=UNTIL_TRANSIT)
+        sheared = {
             f"{way}-{field}-{shear}": CrowdedField(
                 way,
                 pointing,
@@ -58,6 +63,19 @@ class CrowdedShearBias(PaperTarget):
             for shear in range(len(SHEARS))
             for way in EXTRACTIONS
         }
+        unsheared = {
+            f"{EARLIER}-{way}-{field}": CrowdedField(
+                way,
+                other,
+                self.galaxies,
+                self.density,
+                RING,
+                1000 * self.seed + 800 + field,
+            )
+            for field in range(self.fields)
+            for way in EXTRACTIONS
+        }
+        return sheared | unsheared
 
     def measure(self, task: CrowdedField) -> Mapping[str, Array]:
         """Simulate and measure a field."""
@@ -87,6 +105,7 @@ class CrowdedShearBias(PaperTarget):
                             own,
                         )
                     )
+        quantities += _rows_of_the_other_track(found, printed)
         panels = [
             shear_panel(cut, {WORDS[way]: bias for way, bias in found_at.items()})
             for cut, found_at in biases.items()
@@ -99,6 +118,26 @@ class CrowdedShearBias(PaperTarget):
         remarks = (
             f"There are {self.fields} fields of {self.galaxies} galaxies in rings of ten, at {self.density:g} per"
             " square arcminute. A field has the same noise with all shears. Shears change ellipticities and leave"
-            " scale lengths alone, as in the paper.",
+            " scale lengths alone, as in the paper. The track is about transit. The last rows are an experiment with a"
+            " track that ends at transit, without a shear; see `shear-bias` for the reasons.",
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, remarks)
+
+
+def _rows_of_the_other_track(
+    found: Mapping[str, Mapping[str, Array]], printed: PublishedFigures
+) -> list[Quantity]:
+    """Compare c without a shear, with a track that ends at transit."""
+    samples = [sample_named(found, f"{EARLIER}-{way}") for way in EXTRACTIONS]
+    rows = []
+    for cut, flux in CUTS.items():
+        biases = [mean_bias(above(sample, flux), (0j,)).c for sample in samples]
+        rows += [
+            Quantity(
+                f"c{part + 1}, SNR ≥ {cut}, multiple sources, {TRACK_WORDS[EARLIER]}",
+                printed.estimate(f"c{part + 1}_snr{cut}"),
+                *(c[part] for c in biases),
+            )
+            for part in (0, 1)
+        ]
+    return rows
