@@ -4,7 +4,7 @@ from uvshear.reproduce.shear_bias import SHEARS
 
 
 def test_all_rows_of_multiple_sources_of_table_2_are_there():
-    target = small_target("shear-bias-crowded", galaxies=10)
+    target = small_target("shear-bias-crowded", galaxies=20)
     tasks = target.tasks()
     assert {task.shears[task.shear] for task in tasks.values()} == {*SHEARS, 0j}
     ends = {task.pointing.times for task in tasks.values() if not any(task.shears)}
