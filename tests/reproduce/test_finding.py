@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 
@@ -27,3 +29,10 @@ def test_the_error_of_a_slope_is_that_of_the_scatter():
 def test_a_signed_number_has_a_minus_sign():
     assert signed(-0.01234) == "−0.0123"
     assert signed(0.5, 1) == "+0.5"
+
+
+def test_the_error_of_a_modulus_is_that_along_the_number():
+    modulus = Estimate.modulus(Estimate(0.03, 0.002), Estimate(-0.04, 0.001))
+    assert modulus.value == pytest.approx(0.05)
+    assert modulus.error == pytest.approx(math.hypot(0.6 * 0.002, 0.8 * 0.001))
+    assert Estimate.modulus(Estimate(0.0, 0.1), Estimate(0.0)).value == 0

@@ -192,6 +192,5 @@ class RoundBias(AdditiveBiasTarget):
 
 def _modulus(c: tuple[Estimate, Estimate]) -> str:
     """Write the modulus of c1 + i c2."""
-    modulus = math.hypot(c[0].value, c[1].value)
-    error = math.hypot(*(each.value * (each.error or 0.0) for each in c)) / max(modulus, 1e-30)
-    return f"{modulus:.4f} ± {error:.4f}"
+    modulus = Estimate.modulus(*c)
+    return f"{modulus.value:.4f} ± {modulus.error or 0.0:.4f}"

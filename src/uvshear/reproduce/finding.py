@@ -25,6 +25,14 @@ class Estimate:
         """Return a slope with the error that follows from the scatter of the galaxies."""
         return cls(slope.value, slope.error)
 
+    @classmethod
+    def modulus(cls, first: "Estimate", second: "Estimate") -> "Estimate":
+        """Return the modulus of a number with these real and imaginary parts."""
+        value = math.hypot(first.value, second.value)
+        parts = ((each.value, each.error or 0.0) for each in (first, second))
+        error = math.hypot(*(value * error for value, error in parts)) / max(value, 1e-300)
+        return cls(value, error)
+
 
 def signed(value: float, decimals: int = 4) -> str:
     """Return a number with its sign, as it is written in a text."""

@@ -177,7 +177,9 @@ class ShearBias(PaperTarget):
                 Quantity(f"c{part + 1}, {words}", *(column[part] for column in columns))
                 for part in (0, 1)
             ]
-            rows.append(Quantity(f"modulus of c, {words}", *(_modulus(*both) for both in columns)))
+            rows.append(
+                Quantity(f"modulus of c, {words}", *(Estimate.modulus(*both) for both in columns))
+            )
         return rows
 
     def _remarks(self, quantities: Sequence[Quantity]) -> tuple[str, ...]:
@@ -206,13 +208,6 @@ def _bright_sources(printed: PublishedFigures) -> Quantity:
         printed.estimate("sources_snr25"),
         Estimate(float(round(1e4 * above_cut))),
     )
-
-
-def _modulus(c1: Estimate, c2: Estimate) -> Estimate:
-    """Return the modulus of c1 + i c2."""
-    modulus = math.hypot(c1.value, c2.value)
-    error = math.hypot(c1.value * (c1.error or 0.0), c2.value * (c2.error or 0.0)) / modulus
-    return Estimate(modulus, error)
 
 
 def above(sample: ShapeSample, flux: float) -> ShapeSample:

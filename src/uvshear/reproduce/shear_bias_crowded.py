@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from uvshear.plot.curves import draw_curves
 from uvshear.reproduce.causes_of_c import TRACK_WORDS
 from uvshear.reproduce.crowded_field import EXTRACTIONS, WORDS, CrowdedField
-from uvshear.reproduce.finding import Finding, Quantity
+from uvshear.reproduce.finding import Estimate, Finding, Quantity
 from uvshear.reproduce.paper_pointing import UNTIL_TRANSIT, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
 from uvshear.reproduce.published_figures import PublishedFigures
@@ -119,7 +119,8 @@ class CrowdedShearBias(PaperTarget):
             f"There are {self.fields} fields of {self.galaxies} galaxies in rings of ten, at {self.density:g} per"
             " square arcminute. A field has the same noise with all shears. Shears change ellipticities and leave"
             " scale lengths alone, as in the paper. The track is about transit. The last rows are an experiment with a"
-            " track that ends at transit, without a shear; see `shear-bias` for the reasons.",
+            " track that ends at transit, without a shear; see `shear-bias` for the reasons. Its"
+            " direction is that of the PSF, and depends on the layout of the array.",
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, remarks)
 
@@ -131,13 +132,13 @@ def _rows_of_the_other_track(
     samples = [sample_named(found, f"{EARLIER}-{way}") for way in EXTRACTIONS]
     rows = []
     for cut, flux in CUTS.items():
-        biases = [mean_bias(above(sample, flux), (0j,)).c for sample in samples]
+        in_print = (printed.estimate(f"c1_snr{cut}"), printed.estimate(f"c2_snr{cut}"))
+        columns = (in_print, *(mean_bias(above(sample, flux), (0j,)).c for sample in samples))
+        words = f"SNR ≥ {cut}, multiple sources, {TRACK_WORDS[EARLIER]}"
         rows += [
-            Quantity(
-                f"c{part + 1}, SNR ≥ {cut}, multiple sources, {TRACK_WORDS[EARLIER]}",
-                printed.estimate(f"c{part + 1}_snr{cut}"),
-                *(c[part] for c in biases),
-            )
+            Quantity(f"c{part + 1}, {words}", *(column[part] for column in columns))
             for part in (0, 1)
         ]
+        moduli = (Estimate.modulus(*both) for both in columns)
+        rows.append(Quantity(f"modulus of c, {words}", *moduli))
     return rows
