@@ -9,7 +9,7 @@ from uvshear.plot.curves import Curve, CurvePanel, draw_curves
 from uvshear.reproduce.additive_bias import PAIRED, AdditiveBiasTarget, additive_bias
 from uvshear.reproduce.cell_counts import FixedCount
 from uvshear.reproduce.facet_ways import CellFacets, ExactFacetWay
-from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.finding import Estimate, Finding, Quantity, signed
 from uvshear.reproduce.mock_survey import MockSurvey
 from uvshear.reproduce.paper_pointing import PaperPointing
 from uvshear.reproduce.published_figures import PublishedFigures
@@ -95,9 +95,18 @@ class ZenithBias(AdditiveBiasTarget):
             PAIRED,
             f"There are {self.galaxies} galaxies with exact facets and {self.with_cells} with facets of 1000² cells."
             f" The paper's numbers are those of Table 2 for a declination of −30 deg, which is {PAPER_DISTANCE:.1f}"
-            " deg from the zenith of its array.",
+            " deg from the zenith of its array; for their cause see `shear-bias`.",
+            f"At {self.distances[-1]:g} deg c1 with facets of 1000² cells is {self._farthest(series, LEAST[0])} at an"
+            f" SNR of {LEAST[0]:g} or more, and {self._farthest(series, LEAST[-1])} at {LEAST[-1]:g} or more.",
         )
-        return Finding(tuple(quantities), draw_curves(panels, rows=len(WAYS)), caption, remarks)
+        picture = draw_curves(panels, rows=len(WAYS), has_common_y=True)
+        return Finding(tuple(quantities), picture, caption, remarks)
+
+    @staticmethod
+    def _farthest(series: Mapping[tuple[str, int, float], list[Estimate]], least: float) -> str:
+        """Write c1 with cells at the largest distance."""
+        c1 = series["cells", 0, least][-1]
+        return f"{signed(c1.value)} ± {c1.error or 0.0:.4f}"
 
     def _panel(
         self,
