@@ -84,7 +84,7 @@ class PsfZenith(PaperTarget):
         degrees = [math.degrees(distance) for distance in self.distances]
         for track in TRACKS:
             gaussian = self._values(found, track, 0)[:, -1]
-            sizes = self._sizes_as_in_print(found, track, small.value)
+            _, sizes = self._sizes_as_in_print(found, track, 0, small.value)
             for k, values in enumerate((gaussian[:, 0], gaussian[:, 1], sizes)):
                 curve = Curve(track, degrees, values.tolist())
                 panels[k] = (*panels[k], curve)
@@ -146,24 +146,21 @@ class PsfZenith(PaperTarget):
         quantities, sentences = [], []
         degrees = np.degrees(self.distances)
         for k, aperture in enumerate(APERTURES):
-            width = np.array(aperture.widths)
-            sizes = self._values(found, track, k)[:, :-1, 2] / ARCSEC**2
-            chosen = SizesInApertures(width, sizes[0]).width_of(small.value)
+            chosen, sizes_at_width = self._sizes_as_in_print(found, track, k, small.value)
             if not math.isfinite(chosen):
                 sentences.append(
-                    f"No {aperture.name} up to {width[-1] / ARCSEC:g} arcsec gives R = {small.value:g}"
+                    f"No {aperture.name} up to {aperture.widths[-1] / ARCSEC:g} arcsec gives R = {small.value:g}"
                     f" arcsec² at the zenith (track {track})."
                 )
                 continue
-            at_width = [float(np.interp(chosen, width, size)) for size in sizes]
             quantities.append(
                 Quantity(
                     f"R at {degrees[-1]:.0f} deg [arcsec²], {aperture.words(chosen)}, track {track}",
                     large,
-                    Estimate(at_width[-1]),
+                    Estimate(float(sizes_at_width[-1])),
                 )
             )
-            reached = SizesInApertures(degrees, np.array(at_width)).width_of(large.value)
+            reached = SizesInApertures(degrees, sizes_at_width).width_of(large.value)
             if math.isfinite(reached):
                 sentences.append(
                     f"With the {aperture.words(chosen)} (track {track}), R is"
@@ -172,14 +169,16 @@ class PsfZenith(PaperTarget):
         return quantities, sentences
 
     def _sizes_as_in_print(
-        self, found: Mapping[str, Mapping[str, Array]], track: str, at_zenith: float
-    ) -> Float[Array, " distance"]:
-        """Return R with the Gaussian that gives the paper's R at the zenith, if one does [arcsec^2]."""
-        width = np.array(APERTURES[0].widths)
-        sizes = self._values(found, track, 0)[:, :-1, 2] / ARCSEC**2
+        self, found: Mapping[str, Mapping[str, Array]], track: str, aperture: int, at_zenith: float
+    ) -> tuple[float, Float[Array, " distance"]]:
+        """Return the width with which an aperture gives the paper's R at the zenith [rad], and R with it [arcsec^2].
+
+        The width is not finite if there is none.
+        """
+        width = np.array(APERTURES[aperture].widths)
+        sizes = self._values(found, track, aperture)[:, :-1, 2] / ARCSEC**2
         chosen = SizesInApertures(width, sizes[0]).width_of(at_zenith)
-        chosen = chosen if math.isfinite(chosen) else WEIGHT_SIGMA
-        return np.array([np.interp(chosen, width, size) for size in sizes])
+        return chosen, np.array([np.interp(chosen, width, size) for size in sizes])
 
     def _values(
         self, found: Mapping[str, Mapping[str, Array]], track: str, aperture: int

@@ -172,14 +172,7 @@ class ShearBias(PaperTarget):
             c = {way: additive_bias(found, f"{track}-{way}", float(cut)) for way in WAYS}
             in_print = (printed.estimate(f"c1_snr{cut}"), printed.estimate(f"c2_snr{cut}"))
             columns = (in_print, c["cells"], c["exact"])
-            words = f"SNR ≥ {cut}, {TRACK_WORDS[track]}"
-            rows += [
-                Quantity(f"c{part + 1}, {words}", *(column[part] for column in columns))
-                for part in (0, 1)
-            ]
-            rows.append(
-                Quantity(f"modulus of c, {words}", *(Estimate.modulus(*both) for both in columns))
-            )
+            rows += rows_of_c(f"SNR ≥ {cut}, {TRACK_WORDS[track]}", *columns)
         return rows
 
     def _remarks(self, quantities: Sequence[Quantity]) -> tuple[str, ...]:
@@ -192,9 +185,9 @@ class ShearBias(PaperTarget):
             f" rows of the tracks {self.tracked} galaxies are measured without a shear, eight times each: also rotated"
             " by 90 deg, together with their noise.",
             causes_of_c(quantities, self.rings),
-            "For such tracks speaks that the paper plots the ellipticity of its PSF against the zenith distance at the"
-            " start of the observation. Against them speaks that their PSF has an ellipticity of modulus 0.3 near the"
-            " zenith (see `psf-zenith`), whereas the paper calls its PSF slightly anisotropic.",
+            "The paper plots the ellipticity of its PSF against the zenith distance at the start of the observation,"
+            " which suits a track that begins or ends at transit. The PSF of such a track, however, has an ellipticity"
+            " of modulus 0.3 near the zenith (see `psf-zenith`), whereas the paper calls its PSF slightly anisotropic.",
         )
 
 
@@ -208,6 +201,14 @@ def _bright_sources(printed: PublishedFigures) -> Quantity:
         printed.estimate("sources_snr25"),
         Estimate(float(round(1e4 * above_cut))),
     )
+
+
+def rows_of_c(words: str, *columns: tuple[Estimate, Estimate]) -> list[Quantity]:
+    """Return rows for c1, c2 and the modulus of c, with the numbers of the paper, of its way, and of this package."""
+    parts = [
+        Quantity(f"c{part + 1}, {words}", *(column[part] for column in columns)) for part in (0, 1)
+    ]
+    return [*parts, Quantity(f"modulus of c, {words}", *(Estimate.modulus(*c) for c in columns))]
 
 
 def above(sample: ShapeSample, flux: float) -> ShapeSample:

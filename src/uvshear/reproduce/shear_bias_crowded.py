@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from uvshear.plot.curves import draw_curves
 from uvshear.reproduce.causes_of_c import TRACK_WORDS
 from uvshear.reproduce.crowded_field import EXTRACTIONS, WORDS, CrowdedField
-from uvshear.reproduce.finding import Estimate, Finding, Quantity
+from uvshear.reproduce.finding import Finding, Quantity
 from uvshear.reproduce.paper_pointing import UNTIL_TRANSIT, PaperPointing
 from uvshear.reproduce.paper_target import PaperTarget
 from uvshear.reproduce.published_figures import PublishedFigures
 from uvshear.reproduce.shape_sample import ShapeSample, sample_named
-from uvshear.reproduce.shear_bias import CUTS, SHEARS, above, shear_panel
+from uvshear.reproduce.shear_bias import CUTS, SHEARS, above, rows_of_c, shear_panel
 from uvshear.reproduce.shear_density import RING
 from uvshear.reproduce.shear_statistics import MeanBias, mean_bias
 from uvshear.typing import Array
@@ -119,8 +119,8 @@ class CrowdedShearBias(PaperTarget):
             f"There are {self.fields} fields of {self.galaxies} galaxies in rings of ten, at {self.density:g} per"
             " square arcminute. A field has the same noise with all shears. Shears change ellipticities and leave"
             " scale lengths alone, as in the paper. The track is about transit. The last rows are an experiment with a"
-            " track that ends at transit, without a shear; see `shear-bias` for the reasons. Its"
-            " direction is that of the PSF, and depends on the layout of the array.",
+            " track that ends at transit, without a shear; see `shear-bias` for the reasons. The"
+            " direction of c is that of the PSF, and depends on the layout of the array.",
         )
         return Finding(tuple(quantities), draw_curves(panels), caption, remarks)
 
@@ -130,15 +130,10 @@ def _rows_of_the_other_track(
 ) -> list[Quantity]:
     """Compare c without a shear, with a track that ends at transit."""
     samples = [sample_named(found, f"{EARLIER}-{way}") for way in EXTRACTIONS]
-    rows = []
+    rows: list[Quantity] = []
     for cut, flux in CUTS.items():
         in_print = (printed.estimate(f"c1_snr{cut}"), printed.estimate(f"c2_snr{cut}"))
         columns = (in_print, *(mean_bias(above(sample, flux), (0j,)).c for sample in samples))
         words = f"SNR ≥ {cut}, multiple sources, {TRACK_WORDS[EARLIER]}"
-        rows += [
-            Quantity(f"c{part + 1}, {words}", *(column[part] for column in columns))
-            for part in (0, 1)
-        ]
-        moduli = (Estimate.modulus(*both) for both in columns)
-        rows.append(Quantity(f"modulus of c, {words}", *moduli))
+        rows += rows_of_c(words, *columns)
     return rows
